@@ -1,0 +1,2 @@
+//! Industrial Geometry on the command line.
+fn main() {}

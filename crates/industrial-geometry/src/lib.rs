@@ -1,0 +1,1 @@
+//! From scans to CAD: one door to the crates of Industrial Geometry.

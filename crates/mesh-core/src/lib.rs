@@ -1,0 +1,1 @@
+//! Discrete shapes: point clouds and triangle meshes, their normals and closest points.
