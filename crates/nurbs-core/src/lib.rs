@@ -1,1 +1,42 @@
-//! B-spline and NURBS curves and surfaces: knots, bases, jets, refinement, interpolation, least squares, construction.
+//! B-spline and NURBS curves and surfaces: the parametric layer of a CAD kernel.
+//!
+//! Curves live in `R^D` ([`BsplineCurve`]), surfaces in `R³` ([`BsplineSurface`]); both may be rational
+//! (weights stored apart from the points), clamped, floating or periodic. Everything that an algorithm
+//! needs at a parameter comes out of one evaluation, the *jet* (point, first and second derivatives):
+//! see [`ParametricCurve`] and [`ParametricSurface`].
+//!
+//! ```
+//! use nurbs_core::{BsplineCurve, KnotVector, ParametricCurve};
+//! use nalgebra::Vector2;
+//!
+//! let knots = KnotVector::uniform_clamped(2, 4)?;
+//! let points = vec![Vector2::new(0., 0.), Vector2::new(1., 2.), Vector2::new(3., 2.), Vector2::new(4., 0.)];
+//! let curve = BsplineCurve::new(knots, points, None)?;
+//! let jet = curve.jet(0.5);
+//! assert_eq!(jet.point, Vector2::new(2.0, 2.0));
+//! assert!(jet.d1.y.abs() < 1e-15);
+//! # Ok::<(), nurbs_core::Error>(())
+//! ```
+
+pub mod basis;
+mod bezier;
+mod curve;
+mod error;
+#[cfg(feature = "serde")]
+mod form;
+mod interval;
+mod jet;
+mod knots;
+mod rational;
+mod surface;
+mod traits;
+
+pub use bezier::{BezierCurve, BezierPatch};
+pub use curve::BsplineCurve;
+pub use error::Error;
+pub use interval::Interval;
+pub use jet::{CurveJet, SurfaceJet};
+pub use knots::{KnotVector, MAX_DEGREE};
+pub use nalgebra;
+pub use surface::BsplineSurface;
+pub use traits::{CurveFn, ParametricCurve, ParametricSurface, SurfaceFn};
