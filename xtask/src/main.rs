@@ -58,10 +58,7 @@ fn dispatch(arguments: &[String]) -> Result<(), Failure> {
     let Some(command) = COMMANDS.iter().find(|command| command.name == name) else {
         return Err(Failure::Usage(format!("there is no command `{name}`")));
     };
-    if rest
-        .iter()
-        .any(|argument| matches!(argument.as_str(), "--help" | "-h"))
-    {
+    if rest.iter().any(|argument| matches!(argument.as_str(), "--help" | "-h")) {
         println!("cargo xtask {}\n\n{}", usage(command), command.about);
         return Ok(());
     }
@@ -69,17 +66,11 @@ fn dispatch(arguments: &[String]) -> Result<(), Failure> {
 }
 
 fn usage(command: &Command) -> String {
-    format!("{} {}", command.name, command.arguments)
-        .trim_end()
-        .to_owned()
+    format!("{} {}", command.name, command.arguments).trim_end().to_owned()
 }
 
 fn help() -> String {
-    let width = COMMANDS
-        .iter()
-        .map(|command| usage(command).len())
-        .max()
-        .unwrap_or(0);
+    let width = COMMANDS.iter().map(|command| usage(command).len()).max().unwrap_or(0);
     let mut text = String::from("Usage: cargo xtask COMMAND [ARGUMENT…]\n\nCommands:");
     for command in COMMANDS {
         text.push_str(&format!("\n  {:width$}  {}", usage(command), command.about));

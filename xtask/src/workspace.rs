@@ -18,26 +18,16 @@ impl File {
     /// A text file held in memory.
     #[cfg(test)]
     pub(crate) fn in_memory(path: &str, text: &str) -> Self {
-        Self {
-            path: path.into(),
-            size: text.len() as u64,
-            text: Some(text.into()),
-        }
+        Self { path: path.into(), size: text.len() as u64, text: Some(text.into()) }
     }
 
     /// The lines with their numbers from 1; nothing for files that are not text of ours.
     pub(crate) fn numbered_lines(&self) -> impl Iterator<Item = (usize, &str)> {
-        self.text
-            .iter()
-            .flat_map(|text| text.lines())
-            .enumerate()
-            .map(|(index, line)| (index + 1, line))
+        self.text.iter().flat_map(|text| text.lines()).enumerate().map(|(index, line)| (index + 1, line))
     }
 
     pub(crate) fn has_extension(&self, extension: &str) -> bool {
-        Path::new(&self.path)
-            .extension()
-            .is_some_and(|found| found == extension)
+        Path::new(&self.path).extension().is_some_and(|found| found == extension)
     }
 }
 
@@ -91,11 +81,7 @@ fn collect(root: &Path, folder: &Path, found: &mut Vec<File>) -> Result<(), Stri
             } else {
                 None
             };
-            found.push(File {
-                path: relative,
-                size,
-                text,
-            });
+            found.push(File { path: relative, size, text });
         }
     }
     Ok(())
@@ -115,22 +101,13 @@ fn is_our_text(path: &str) -> bool {
     if path.starts_with("fixtures/") {
         return path == "fixtures/PROVENANCE.md";
     }
-    let extension = Path::new(path)
-        .extension()
-        .and_then(|extension| extension.to_str());
-    path == ".ci/run"
-        || matches!(
-            extension,
-            Some("rs" | "md" | "toml" | "sh" | "py" | "snap" | "yml")
-        )
+    let extension = Path::new(path).extension().and_then(|extension| extension.to_str());
+    path == ".ci/run" || matches!(extension, Some("rs" | "md" | "toml" | "sh" | "py" | "snap" | "yml"))
 }
 
 fn relative(root: &Path, path: &Path) -> String {
     let parts = path.strip_prefix(root).unwrap_or(path).components();
-    parts
-        .map(|part| part.as_os_str().to_string_lossy())
-        .collect::<Vec<_>>()
-        .join("/")
+    parts.map(|part| part.as_os_str().to_string_lossy()).collect::<Vec<_>>().join("/")
 }
 
 /// The packages of the workspace at `root`, ordered by name, from `cargo metadata` (needs no network).
@@ -142,10 +119,7 @@ pub(crate) fn packages(root: &Path) -> Result<Vec<Package>, String> {
         .output()
         .map_err(|error| format!("cargo metadata did not start: {error}"))?;
     if !output.status.success() {
-        return Err(format!(
-            "cargo metadata failed: {}",
-            String::from_utf8_lossy(&output.stderr).trim()
-        ));
+        return Err(format!("cargo metadata failed: {}", String::from_utf8_lossy(&output.stderr).trim()));
     }
     let metadata = serde_json::from_slice(&output.stdout)
         .map_err(|error| format!("cargo metadata printed something that is not JSON: {error}"))?;
@@ -195,15 +169,7 @@ mod tests {
     #[test]
     fn this_very_file_is_found_and_build_output_is_not() {
         let files = files(&root()).unwrap();
-        assert!(
-            files
-                .iter()
-                .any(|file| file.path == "xtask/src/workspace.rs" && file.text.is_some())
-        );
-        assert!(
-            !files
-                .iter()
-                .any(|file| file.path.starts_with("target/") || file.path.starts_with(".git/"))
-        );
+        assert!(files.iter().any(|file| file.path == "xtask/src/workspace.rs" && file.text.is_some()));
+        assert!(!files.iter().any(|file| file.path.starts_with("target/") || file.path.starts_with(".git/")));
     }
 }

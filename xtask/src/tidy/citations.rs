@@ -6,9 +6,7 @@ use crate::workspace::File;
 const REFERENCES: &str = "docs/REFERENCES.md";
 
 /// Words that tell a place in a source, as they follow a tag and a comma.
-const PLACES: &[&str] = &[
-    "eq", "sec", "tab", "fig", "alg", "ch", "p.", "pp.", "thm", "example", "app",
-];
+const PLACES: &[&str] = &["eq", "sec", "tab", "fig", "alg", "ch", "p.", "pp.", "thm", "example", "app"];
 
 /// Finds cited tags that have no entry, entries with the same tag, and entries nobody cites (a note).
 ///
@@ -19,9 +17,7 @@ pub(crate) fn check(files: &[File]) -> Vec<Finding> {
         .iter()
         .filter(|file| file.path == REFERENCES)
         .flat_map(File::numbered_lines)
-        .filter_map(|(number, line)| {
-            Some((number, line.strip_prefix("- **[")?.split_once("]**")?.0))
-        })
+        .filter_map(|(number, line)| Some((number, line.strip_prefix("- **[")?.split_once("]**")?.0)))
         .collect();
 
     let mut findings = Vec::new();
@@ -70,9 +66,7 @@ fn prose<'a>(file: &File, line: &'a str) -> Option<&'a str> {
         Some(line)
     } else if file.has_extension("rs") {
         let in_string = |at: usize| line[..at].matches('"').count() % 2 == 1;
-        line.match_indices("//")
-            .find(|(at, _)| !in_string(*at))
-            .map(|(at, _)| &line[at..])
+        line.match_indices("//").find(|(at, _)| !in_string(*at)).map(|(at, _)| &line[at..])
     } else {
         None
     }
@@ -84,14 +78,11 @@ fn tags(text: &str) -> impl Iterator<Item = &str> {
         let rest = &text[at + 1..];
         let end = rest.find(|c: char| !c.is_ascii_alphanumeric())?;
         let (tag, after) = rest.split_at(end);
-        let place = after
-            .strip_prefix(',')
-            .map(|place| place.trim_start().to_ascii_lowercase());
+        let place = after.strip_prefix(',').map(|place| place.trim_start().to_ascii_lowercase());
         let closes = after.strip_prefix('\\').unwrap_or(after).strip_prefix(']');
         let is_link = closes.is_some_and(|after| after.starts_with(['(', ':']));
-        let names_a_place = place
-            .as_ref()
-            .is_some_and(|place| PLACES.iter().any(|word| place.starts_with(word)));
+        let names_a_place =
+            place.as_ref().is_some_and(|place| PLACES.iter().any(|word| place.starts_with(word)));
         let is_citation = match year_digits(tag)? {
             0 => tag.len() >= 2 && names_a_place,
             _ => (closes.is_some() && !is_link) || place.is_some(),
@@ -138,14 +129,8 @@ mod tests {
             REFERENCES,
             "# References\n- **[HW05]** One.\n- **[PT97]** Two.\n- **[PT97]** Again.\n",
         );
-        let source = File::in_memory(
-            "a.rs",
-            "/// By [HW05, eq. (7)] and [Zz99].\nlet x = [A10, B20];\n",
-        );
-        let texts: Vec<String> = check(&[references, source])
-            .iter()
-            .map(ToString::to_string)
-            .collect();
+        let source = File::in_memory("a.rs", "/// By [HW05, eq. (7)] and [Zz99].\nlet x = [A10, B20];\n");
+        let texts: Vec<String> = check(&[references, source]).iter().map(ToString::to_string).collect();
         assert_eq!(texts.len(), 3, "{texts:?}");
         assert!(texts[0].starts_with("error: a.rs:1: [Zz99] is not in"));
         assert!(texts[1].starts_with("note: docs/REFERENCES.md:3: [PT97] is not cited"));

@@ -68,8 +68,7 @@ fn check_library(root: &File) -> Option<Finding> {
 
 /// The lines of `//!` at the head of a file, without the marker.
 fn documentation(root: &File) -> impl Iterator<Item = &str> {
-    root.numbered_lines()
-        .map_while(|(_, line)| line.strip_prefix("//!"))
+    root.numbered_lines().map_while(|(_, line)| line.strip_prefix("//!"))
 }
 
 #[cfg(test)]
@@ -87,42 +86,21 @@ mod tests {
 
     #[test]
     fn a_documented_library_passes() {
-        let text = format!(
-            "{}//! ```\n//! assert!(true);\n//! ```\n",
-            "//! Words.\n".repeat(6)
-        );
-        assert!(
-            check(
-                &[package("Words.")],
-                &[File::in_memory("crates/a/src/lib.rs", &text)]
-            )
-            .is_empty()
-        );
+        let text = format!("{}//! ```\n//! assert!(true);\n//! ```\n", "//! Words.\n".repeat(6));
+        assert!(check(&[package("Words.")], &[File::in_memory("crates/a/src/lib.rs", &text)]).is_empty());
     }
 
     #[test]
     fn silence_fails() {
         let short = File::in_memory("crates/a/src/lib.rs", "//! Words.\n");
         let findings = check(&[package("")], &[short]);
-        assert!(
-            findings[0].what.contains("no description"),
-            "{}",
-            findings[0]
-        );
+        assert!(findings[0].what.contains("no description"), "{}", findings[0]);
         assert!(findings[1].what.contains("1 line(s)"), "{}", findings[1]);
 
         let no_example = File::in_memory("crates/a/src/lib.rs", &"//! Words.\n".repeat(9));
-        assert!(
-            check(&[package("Words.")], &[no_example])[0]
-                .what
-                .contains("no example")
-        );
+        assert!(check(&[package("Words.")], &[no_example])[0].what.contains("no example"));
 
         let program = File::in_memory("crates/a/src/main.rs", "fn main() {}\n");
-        assert!(
-            check(&[package("Words.")], &[program])[0]
-                .what
-                .contains("no crate documentation")
-        );
+        assert!(check(&[package("Words.")], &[program])[0].what.contains("no crate documentation"));
     }
 }

@@ -10,26 +10,11 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("pc-io", &["nurbs-core", "mesh-core"]),
     ("footpoint", &["nurbs-core", "mesh-core"]),
     ("distance-field", &["nurbs-core", "mesh-core", "footpoint"]),
-    (
-        "sdm-fit",
-        &["nurbs-core", "mesh-core", "footpoint", "distance-field"],
-    ),
-    (
-        "sdm-register",
-        &["nurbs-core", "mesh-core", "footpoint", "distance-field"],
-    ),
-    (
-        "inspection",
-        &["nurbs-core", "mesh-core", "footpoint", "distance-field"],
-    ),
-    (
-        "cloud-param",
-        &["nurbs-core", "mesh-core", "footpoint", "sdm-fit"],
-    ),
-    (
-        "feature-metric",
-        &["nurbs-core", "mesh-core", "distance-field"],
-    ),
+    ("sdm-fit", &["nurbs-core", "mesh-core", "footpoint", "distance-field"]),
+    ("sdm-register", &["nurbs-core", "mesh-core", "footpoint", "distance-field"]),
+    ("inspection", &["nurbs-core", "mesh-core", "footpoint", "distance-field"]),
+    ("cloud-param", &["nurbs-core", "mesh-core", "footpoint", "sdm-fit"]),
+    ("feature-metric", &["nurbs-core", "mesh-core", "distance-field"]),
     (
         "industrial-geometry",
         &[
@@ -62,11 +47,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
 ];
 
 /// Outside crates that only the named crates may use.
-const RESERVED: &[(&str, &[&str])] = &[
-    ("clap", &["indgeo"]),
-    ("indicatif", &["indgeo"]),
-    ("anyhow", &[]),
-];
+const RESERVED: &[(&str, &[&str])] = &[("clap", &["indgeo"]), ("indicatif", &["indgeo"]), ("anyhow", &[])];
 
 /// Checks every dependency of every workspace package against the tables above.
 pub(crate) fn check(packages: &[Package], files: &[File]) -> Vec<Finding> {
@@ -85,37 +66,21 @@ pub(crate) fn check(packages: &[Package], files: &[File]) -> Vec<Finding> {
             let line = line_of(files, &package.manifest, dependency);
             let inside = packages.iter().any(|other| other.name == *dependency);
             if inside && !allowed.contains(&dependency.as_str()) {
-                let choice = if allowed.is_empty() {
-                    "none".to_owned()
-                } else {
-                    allowed.join(", ")
-                };
+                let choice = if allowed.is_empty() { "none".to_owned() } else { allowed.join(", ") };
                 findings.push(Finding::error(
                     &package.manifest,
                     line,
-                    format!(
-                        "`{}` must not depend on `{dependency}` (allowed: {choice})",
-                        package.name
-                    ),
+                    format!("`{}` must not depend on `{dependency}` (allowed: {choice})", package.name),
                     "move the code to the crate where it belongs",
                 ));
             }
             let reserved = RESERVED.iter().find(|(name, _)| name == dependency);
-            if let Some((_, users)) =
-                reserved.filter(|(_, users)| !users.contains(&package.name.as_str()))
-            {
-                let choice = if users.is_empty() {
-                    "no crate".to_owned()
-                } else {
-                    users.join(", ")
-                };
+            if let Some((_, users)) = reserved.filter(|(_, users)| !users.contains(&package.name.as_str())) {
+                let choice = if users.is_empty() { "no crate".to_owned() } else { users.join(", ") };
                 findings.push(Finding::error(
                     &package.manifest,
                     line,
-                    format!(
-                        "`{}` must not use `{dependency}` (reserved to {choice})",
-                        package.name
-                    ),
+                    format!("`{}` must not use `{dependency}` (reserved to {choice})", package.name),
                     "remove it",
                 ));
             }
@@ -127,9 +92,7 @@ pub(crate) fn check(packages: &[Package], files: &[File]) -> Vec<Finding> {
 /// The line of a manifest that names `dependency`, 0 when there is none.
 fn line_of(files: &[File], manifest: &str, dependency: &str) -> usize {
     let names_it = |line: &str| {
-        line.trim_start()
-            .strip_prefix(dependency)
-            .is_some_and(|rest| rest.starts_with(['.', ' ', '=']))
+        line.trim_start().strip_prefix(dependency).is_some_and(|rest| rest.starts_with(['.', ' ', '=']))
     };
     let file = files.iter().find(|file| file.path == manifest);
     file.and_then(|file| file.numbered_lines().find(|(_, line)| names_it(line)))
@@ -161,10 +124,7 @@ mod tests {
 
     #[test]
     fn the_wrong_direction_fails_at_its_line() {
-        let packages = [
-            package("nurbs-core", &["footpoint"]),
-            package("footpoint", &[]),
-        ];
+        let packages = [package("nurbs-core", &["footpoint"]), package("footpoint", &[])];
         let manifest = File::in_memory(
             "crates/nurbs-core/Cargo.toml",
             "[dependencies]\nfootpoint-x = \"1\"\nfootpoint.workspace = true\n",
@@ -173,9 +133,7 @@ mod tests {
         assert_eq!(findings.len(), 1);
         assert_eq!(findings[0].line, 3);
         assert!(
-            findings[0]
-                .what
-                .contains("must not depend on `footpoint` (allowed: none)"),
+            findings[0].what.contains("must not depend on `footpoint` (allowed: none)"),
             "{}",
             findings[0]
         );
@@ -183,26 +141,15 @@ mod tests {
 
     #[test]
     fn unknown_crates_and_reserved_dependencies_fail() {
-        let findings = check(
-            &[package("new-crate", &[]), package("pc-io", &["clap"])],
-            &[],
-        );
+        let findings = check(&[package("new-crate", &[]), package("pc-io", &["clap"])], &[]);
         assert!(findings[0].what.contains("no place"), "{}", findings[0]);
-        assert!(
-            findings[1].what.contains("reserved to indgeo"),
-            "{}",
-            findings[1]
-        );
+        assert!(findings[1].what.contains("reserved to indgeo"), "{}", findings[1]);
     }
 
     #[test]
     fn the_table_itself_has_no_cycle() {
-        let direct = |name: &str| {
-            ALLOWED
-                .iter()
-                .find(|(row, _)| *row == name)
-                .map_or(&[][..], |(_, names)| names)
-        };
+        let direct =
+            |name: &str| ALLOWED.iter().find(|(row, _)| *row == name).map_or(&[][..], |(_, names)| names);
         for (start, _) in ALLOWED {
             let mut reached: Vec<&str> = direct(start).to_vec();
             let mut next = 0;

@@ -24,31 +24,12 @@ pub(crate) struct Finding {
 }
 
 impl Finding {
-    pub(crate) fn error(
-        path: &str,
-        line: usize,
-        what: impl Into<String>,
-        todo: impl Into<String>,
-    ) -> Self {
-        Self {
-            severity: Severity::Error,
-            path: path.into(),
-            line,
-            what: what.into(),
-            todo: todo.into(),
-        }
+    pub(crate) fn error(path: &str, line: usize, what: impl Into<String>, todo: impl Into<String>) -> Self {
+        Self { severity: Severity::Error, path: path.into(), line, what: what.into(), todo: todo.into() }
     }
 
-    pub(crate) fn note(
-        path: &str,
-        line: usize,
-        what: impl Into<String>,
-        todo: impl Into<String>,
-    ) -> Self {
-        Self {
-            severity: Severity::Note,
-            ..Self::error(path, line, what, todo)
-        }
+    pub(crate) fn note(path: &str, line: usize, what: impl Into<String>, todo: impl Into<String>) -> Self {
+        Self { severity: Severity::Note, ..Self::error(path, line, what, todo) }
     }
 }
 
@@ -76,9 +57,6 @@ mod tests {
             Finding::error("a.rs", 3, "broken", "mend it").to_string(),
             "error: a.rs:3: broken; mend it"
         );
-        assert_eq!(
-            Finding::note("a.rs", 0, "odd", "look").to_string(),
-            "note: a.rs: odd; look"
-        );
+        assert_eq!(Finding::note("a.rs", 0, "odd", "look").to_string(), "note: a.rs: odd; look");
     }
 }

@@ -19,10 +19,7 @@ struct Row {
 /// Headings name folders (`## cad` stands for `fixtures/cad`), the first cell of a row names a file in that folder or a path below
 /// it. Licence texts (`fixtures/LICENSES/`) need no row.
 pub(crate) fn check(files: &[File]) -> Vec<Finding> {
-    let fixtures: Vec<&File> = files
-        .iter()
-        .filter(|file| file.path.starts_with("fixtures/"))
-        .collect();
+    let fixtures: Vec<&File> = files.iter().filter(|file| file.path.starts_with("fixtures/")).collect();
     if fixtures.is_empty() {
         return Vec::new();
     }
@@ -36,10 +33,7 @@ pub(crate) fn check(files: &[File]) -> Vec<Finding> {
             "take out the largest files, or replace them by smaller ones that show the same",
         ));
     }
-    let rows = fixtures
-        .iter()
-        .find(|file| file.path == PROVENANCE)
-        .map_or_else(Vec::new, |file| rows(file));
+    let rows = fixtures.iter().find(|file| file.path == PROVENANCE).map_or_else(Vec::new, |file| rows(file));
     let mut used = vec![false; rows.len()];
     for file in fixtures {
         let name = &file.path["fixtures/".len()..];
@@ -79,27 +73,14 @@ fn rows(provenance: &File) -> Vec<Row> {
     let mut is_body = false;
     for (line, text) in provenance.numbered_lines() {
         if text.starts_with('#') {
-            let heading = text
-                .trim_start_matches('#')
-                .trim()
-                .trim_matches('`')
-                .trim_end_matches('/');
-            folder = heading
-                .strip_prefix("fixtures")
-                .unwrap_or(heading)
-                .trim_start_matches('/')
-                .to_owned();
+            let heading = text.trim_start_matches('#').trim().trim_matches('`').trim_end_matches('/');
+            folder = heading.strip_prefix("fixtures").unwrap_or(heading).trim_start_matches('/').to_owned();
         }
         let Some(cells) = text.trim().strip_prefix('|') else {
             is_body = false;
             continue;
         };
-        let first = cells
-            .split('|')
-            .next()
-            .unwrap_or_default()
-            .trim()
-            .trim_matches('`');
+        let first = cells.split('|').next().unwrap_or_default().trim().trim_matches('`');
         if first.starts_with("--") || first.starts_with(":-") {
             is_body = true;
         } else if is_body && !first.is_empty() {
@@ -133,11 +114,7 @@ mod tests {
                          ## `fixtures/feet/`\n| file | source |\n|---|---|\n| `c_*.q` | ours |\n";
 
     fn fixture(path: &str, size: u64) -> File {
-        File {
-            path: path.into(),
-            size,
-            text: None,
-        }
+        File { path: path.into(), size, text: None }
     }
 
     #[test]
@@ -158,17 +135,10 @@ mod tests {
 
     #[test]
     fn unknown_origin_and_size_fail() {
-        let files = [
-            File::in_memory(PROVENANCE, TABLE),
-            fixture("fixtures/scans/a.step", 1),
-        ];
+        let files = [File::in_memory(PROVENANCE, TABLE), fixture("fixtures/scans/a.step", 1)];
         assert!(check(&files)[0].what.contains("origin is not known"));
         let findings = check(&[fixture("fixtures/cad/a.step", LIMIT + 1)]);
-        assert!(
-            findings[0].what.contains("at most 40000000"),
-            "{}",
-            findings[0]
-        );
+        assert!(findings[0].what.contains("at most 40000000"), "{}", findings[0]);
         assert!(check(&[fixture("crates/a.bin", LIMIT + 1)]).is_empty());
     }
 }

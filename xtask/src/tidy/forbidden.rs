@@ -6,21 +6,13 @@ use crate::workspace::File;
 /// Macros that must not stay in any source file, without the exclamation mark (so that this file does not find itself).
 const MACROS: &[(&str, &str)] = &[
     ("todo", "write the code, or leave the function out"),
-    (
-        "unimplemented",
-        "write the code, or return an error that says what is not supported",
-    ),
+    ("unimplemented", "write the code, or return an error that says what is not supported"),
     ("dbg", "remove the debug output"),
 ];
 
 /// Folders that exist on one machine only, in two halves for the same reason.
-const PLACES: &[(&str, &str)] = &[
-    ("/wor", "k/"),
-    ("/tm", "p/"),
-    ("../sha", "red"),
-    ("/ho", "me/"),
-    ("/ro", "ot/"),
-];
+const PLACES: &[(&str, &str)] =
+    &[("/wor", "k/"), ("/tm", "p/"), ("../sha", "red"), ("/ho", "me/"), ("/ro", "ot/")];
 
 /// Finds forbidden macros in sources and machine paths in all text of the project.
 pub(crate) fn check(files: &[File]) -> Vec<Finding> {
@@ -61,8 +53,7 @@ fn calls(line: &str, name: &str) -> bool {
     line.match_indices(&invocation).any(|(at, _)| {
         let before = line[..at].chars().next_back();
         let after = line[at + invocation.len()..].trim_start().chars().next();
-        !before.is_some_and(|c| c.is_alphanumeric() || c == '_')
-            && after.is_some_and(|c| "([{".contains(c))
+        !before.is_some_and(|c| c.is_alphanumeric() || c == '_') && after.is_some_and(|c| "([{".contains(c))
     })
 }
 
@@ -80,18 +71,9 @@ mod tests {
 
     #[test]
     fn leftovers_are_found_with_their_line() {
-        let text = format!(
-            "fn f() {{\n    to{}!()\n}}\n// see {}{}file\n",
-            "do", PLACES[0].0, PLACES[0].1
-        );
+        let text = format!("fn f() {{\n    to{}!()\n}}\n// see {}{}file\n", "do", PLACES[0].0, PLACES[0].1);
         let findings = check(&[File::in_memory("a.rs", &text)]);
-        assert_eq!(
-            findings
-                .iter()
-                .map(|finding| finding.line)
-                .collect::<Vec<_>>(),
-            [2, 4]
-        );
+        assert_eq!(findings.iter().map(|finding| finding.line).collect::<Vec<_>>(), [2, 4]);
     }
 
     #[test]

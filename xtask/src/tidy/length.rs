@@ -35,12 +35,6 @@ mod tests {
         let prose = File::in_memory("c.md", &"x\n".repeat(501));
         let findings = check(&[at_limit, beyond, prose]);
         assert_eq!(findings.len(), 1);
-        assert!(
-            findings[0]
-                .to_string()
-                .starts_with("error: b.rs:501: 501 lines"),
-            "{}",
-            findings[0]
-        );
+        assert!(findings[0].to_string().starts_with("error: b.rs:501: 501 lines"), "{}", findings[0]);
     }
 }

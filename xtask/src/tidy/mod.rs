@@ -2,6 +2,7 @@
 //!
 //! Each check is a function from files (or packages) to findings, in a file of its own, so that it can be tested on a few lines held in memory.
 
+mod algorithms;
 mod citations;
 mod crate_docs;
 mod dependencies;
@@ -17,9 +18,7 @@ use finding::Severity;
 /// Runs every check over the workspace and prints what was found, errors last.
 pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     if let Some(argument) = arguments.first() {
-        return Err(Failure::Usage(format!(
-            "tidy takes no argument, found `{argument}`"
-        )));
+        return Err(Failure::Usage(format!("tidy takes no argument, found `{argument}`")));
     }
     let root = workspace::root();
     let files = workspace::files(&root).map_err(Failure::Failed)?;
@@ -28,6 +27,7 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     let mut findings = dependencies::check(&packages, &files);
     findings.extend(length::check(&files));
     findings.extend(citations::check(&files));
+    findings.extend(algorithms::check(&files));
     findings.extend(forbidden::check(&files));
     findings.extend(snapshots::check(&files));
     findings.extend(crate_docs::check(&packages, &files));
@@ -37,19 +37,10 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
         println!("{finding}");
     }
 
-    let errors = findings
-        .iter()
-        .filter(|finding| finding.severity == Severity::Error)
-        .count();
+    let errors = findings.iter().filter(|finding| finding.severity == Severity::Error).count();
     if errors > 0 {
-        return Err(Failure::Failed(format!(
-            "tidy found {errors} thing(s) to mend"
-        )));
+        return Err(Failure::Failed(format!("tidy found {errors} thing(s) to mend")));
     }
-    println!(
-        "tidy: {} files, {} crates, nothing to mend",
-        files.len(),
-        packages.len()
-    );
+    println!("tidy: {} files, {} crates, nothing to mend", files.len(), packages.len());
     Ok(())
 }

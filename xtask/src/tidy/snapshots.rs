@@ -46,16 +46,9 @@ fn check_one(snapshot: &File, files: &[File]) -> Option<Finding> {
         ));
     };
     let name = name_of(&snapshot.path);
-    let ways_to_name_it = [
-        format!("\"{name}\""),
-        format!("fn {name}("),
-        format!("fn test_{name}("),
-    ];
-    let is_named = test.numbered_lines().any(|(_, line)| {
-        ways_to_name_it
-            .iter()
-            .any(|way| line.contains(way.as_str()))
-    });
+    let ways_to_name_it = [format!("\"{name}\""), format!("fn {name}("), format!("fn test_{name}(")];
+    let is_named =
+        test.numbered_lines().any(|(_, line)| ways_to_name_it.iter().any(|way| line.contains(way.as_str())));
     if is_named {
         return None;
     }
@@ -69,16 +62,10 @@ fn check_one(snapshot: &File, files: &[File]) -> Option<Finding> {
 
 /// NAME out of `…/MODULE__PATH__NAME-2.snap`.
 fn name_of(path: &str) -> &str {
-    let stem = path
-        .rsplit('/')
-        .next()
-        .unwrap_or(path)
-        .trim_end_matches(".snap");
+    let stem = path.rsplit('/').next().unwrap_or(path).trim_end_matches(".snap");
     let name = stem.rsplit("__").next().unwrap_or(stem);
     match name.rsplit_once('-') {
-        Some((base, number))
-            if !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit()) =>
-        {
+        Some((base, number)) if !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit()) => {
             base
         }
         _ => name,
@@ -90,18 +77,13 @@ mod tests {
     use super::*;
 
     fn snapshot(path: &str) -> File {
-        File::in_memory(
-            path,
-            "---\nsource: crates/a/tests/t.rs\nexpression: table\n---\nsource: not this\n",
-        )
+        File::in_memory(path, "---\nsource: crates/a/tests/t.rs\nexpression: table\n---\nsource: not this\n")
     }
 
     #[test]
     fn named_snapshots_pass() {
-        let test = File::in_memory(
-            "crates/a/tests/t.rs",
-            "fn table_2() { assert_snapshot!(\"table_1\", x); }\n",
-        );
+        let test =
+            File::in_memory("crates/a/tests/t.rs", "fn table_2() { assert_snapshot!(\"table_1\", x); }\n");
         let folder = "crates/a/tests/snapshots";
         let files = [
             test,
@@ -115,28 +97,10 @@ mod tests {
     fn orphans_and_pending_ones_fail() {
         let test = File::in_memory("crates/a/tests/t.rs", "fn table_2() {}\n");
         let orphan = snapshot("crates/a/tests/snapshots/t__table_1.snap");
-        let findings = check(&[
-            test,
-            orphan.clone(),
-            File::in_memory("x/t__table_2.snap.new", ""),
-        ]);
-        assert!(
-            findings[0]
-                .what
-                .contains("no test in crates/a/tests/t.rs reads it"),
-            "{}",
-            findings[0]
-        );
-        assert!(
-            findings[1].what.contains("nobody accepted"),
-            "{}",
-            findings[1]
-        );
+        let findings = check(&[test, orphan.clone(), File::in_memory("x/t__table_2.snap.new", "")]);
+        assert!(findings[0].what.contains("no test in crates/a/tests/t.rs reads it"), "{}", findings[0]);
+        assert!(findings[1].what.contains("nobody accepted"), "{}", findings[1]);
         assert!(check(&[orphan])[0].what.contains("is gone"));
-        assert!(
-            check(&[File::in_memory("x/t__a.snap", "---\n---\n")])[0]
-                .what
-                .contains("no source")
-        );
+        assert!(check(&[File::in_memory("x/t__a.snap", "---\n---\n")])[0].what.contains("no source"));
     }
 }
