@@ -11,6 +11,7 @@ mod fixtures;
 mod forbidden;
 mod length;
 mod snapshots;
+mod wrappers;
 
 use crate::{Failure, workspace};
 use finding::Severity;
@@ -25,6 +26,7 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     let packages = workspace::packages(&root).map_err(Failure::Failed)?;
 
     let mut findings = dependencies::check(&packages, &files);
+    findings.extend(wrappers::check(&packages, &files));
     findings.extend(length::check(&files));
     findings.extend(citations::check(&files));
     findings.extend(algorithms::check(&files));
