@@ -7,6 +7,8 @@ use std::fmt;
 /// The footpoint of a point on a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CurveFootpoint<const D: usize> {
+    /// Index of the curve in the model (0 for a single curve).
+    pub shape: usize,
     /// Parameter `t`, inside the domain.
     pub parameter: f64,
     /// The point `c(t)`.
@@ -28,6 +30,8 @@ pub struct CurveFootpoint<const D: usize> {
 /// The footpoint of a point on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceFootpoint {
+    /// Index of the surface in the model (0 for a single surface).
+    pub shape: usize,
     /// Parameters `(u, v)`, inside the domain.
     pub parameter: [f64; 2],
     /// The point `s(u, v)`.

@@ -1,0 +1,157 @@
+//! Runs the projectors on cases with known distances and counts wrong answers.
+//!
+//! `ground_truth DIR` reads every `NAME.json` (a curve or surface) in DIR with its `NAME.SET.q` (query points) and
+//! `NAME.SET.gt` (`u v distance …` per point), and prints per set: wrong answers (distance more than 1e-6 above the
+//! true one, parameter outside the domain, or distance that is not that of the reported point), the largest
+//! certified gap, and microseconds per query and of the slowest query, one thread.
+
+use footpoint::{CurveProjector, Mode, ProjectionOptions, SurfaceProjector};
+use nalgebra::{SVector, Vector2, Vector3};
+use nurbs_core::{BsplineCurve, BsplineSurface, ParametricCurve, ParametricSurface};
+use std::error::Error;
+use std::path::Path;
+use std::time::Instant;
+
+/// What one answer looks like to the judge.
+struct Answer {
+    distance: f64,
+    bound: f64,
+    consistent: bool,
+    note: String,
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let dir = std::env::args().nth(1).ok_or("usage: ground_truth DIR")?;
+    let mut shapes: Vec<_> = std::fs::read_dir(&dir)?.filter_map(|e| Some(e.ok()?.path())).collect();
+    shapes.sort();
+    println!(
+        "{:22} {:>6} {:>6} {:>9} {:>9} {:>9} {:>9} {:>8}",
+        "set", "points", "wrong", "gap", "certified", "slowest", "fast", "fastwrong"
+    );
+    for path in shapes.iter().filter(|p| p.extension().is_some_and(|e| e == "json")) {
+        let json: serde_json::Value = serde_json::from_slice(&std::fs::read(path)?)?;
+        let stem = path.file_stem().and_then(|s| s.to_str()).unwrap_or_default().to_owned();
+        if json["kind"] == "surface" {
+            let surface: BsplineSurface = serde_json::from_value(json)?;
+            let start = Instant::now();
+            let projector = SurfaceProjector::new(&surface);
+            let build = start.elapsed().as_secs_f64() * 1e6;
+            let patches = projector.patch_count();
+            println!(
+                "{stem}: {patches} patches, {:.1} µs and {} bytes each",
+                build / patches as f64,
+                projector.memory() / patches
+            );
+            let size = size(surface.control_points());
+            run(&dir, &stem, size, |x: &Vector3<f64>, mode| {
+                let foot = projector.project_with(x, &ProjectionOptions::default().with_mode(mode));
+                let [u, v] = foot.parameter;
+                let inside = surface.domain()[0].contains(u) && surface.domain()[1].contains(v);
+                let gap = ((surface.point(u, v) - x).norm() - foot.distance).abs();
+                Answer {
+                    distance: foot.distance,
+                    bound: foot.lower_bound,
+                    consistent: inside && gap <= 1e-9 * size,
+                    note: format!("{foot} {:?} {:?}", foot.location, foot.multiplicity),
+                }
+            })?;
+        } else if json["control_points"][0].as_array().map(Vec::len) == Some(2) {
+            curve::<2>(&dir, &stem, serde_json::from_value(json)?)?;
+        } else {
+            curve::<3>(&dir, &stem, serde_json::from_value(json)?)?;
+        }
+    }
+    let _ = Vector2::<f64>::zeros();
+    Ok(())
+}
+
+fn curve<const D: usize>(dir: &str, stem: &str, curve: BsplineCurve<D>) -> Result<(), Box<dyn Error>> {
+    let projector = CurveProjector::new(&curve);
+    println!(
+        "{stem}: {} pieces, {} bytes each",
+        projector.piece_count(),
+        projector.memory() / projector.piece_count()
+    );
+    let size = size(curve.control_points());
+    run(dir, stem, size, |x: &SVector<f64, D>, mode| {
+        let foot = projector.project_with(x, &ProjectionOptions::default().with_mode(mode));
+        let gap = ((curve.point(foot.parameter) - x).norm() - foot.distance).abs();
+        Answer {
+            distance: foot.distance,
+            bound: foot.lower_bound,
+            consistent: curve.domain().contains(foot.parameter) && gap <= 1e-9 * size,
+            note: format!("{foot} {:?} {:?}", foot.location, foot.multiplicity),
+        }
+    })
+}
+
+fn size<const D: usize>(points: &[SVector<f64, D>]) -> f64 {
+    let low = points.iter().fold(points[0], |a, p| a.inf(p));
+    let high = points.iter().fold(points[0], |a, p| a.sup(p));
+    (high - low).norm()
+}
+
+fn run<const D: usize>(
+    dir: &str,
+    stem: &str,
+    size: f64,
+    answer: impl Fn(&SVector<f64, D>, Mode) -> Answer,
+) -> Result<(), Box<dyn Error>> {
+    for set in ["on", "near", "mid", "far", "beyond", "singular", "paper"] {
+        let queries = Path::new(dir).join(format!("{stem}.{set}.q"));
+        if !queries.exists() {
+            continue;
+        }
+        let points: Vec<SVector<f64, D>> =
+            rows(&queries)?.iter().map(|row| SVector::from_iterator(row.iter().copied())).collect();
+        let truths = rows(&queries.with_extension("gt"))?;
+        let (mut wrong, mut fast_wrong, mut gap, mut slowest) = (0, 0, 0.0f64, (0.0f64, 0));
+        let mut seconds = [0.0, 0.0];
+        for (m, mode) in [Mode::Certified, Mode::Fast].into_iter().enumerate() {
+            // A first round warms the caches; the second one is timed.
+            for round in 0..2 {
+                for (i, (x, truth)) in points.iter().zip(&truths).enumerate() {
+                    let start = Instant::now();
+                    let found = answer(x, mode);
+                    let time = start.elapsed().as_secs_f64();
+                    if round == 0 {
+                        continue;
+                    }
+                    seconds[m] += time;
+                    let bad = !found.consistent || !(found.distance <= truth[2] * (1.0 + 1e-6) + 1e-9 * size);
+                    if m == 1 {
+                        fast_wrong += usize::from(bad);
+                        continue;
+                    }
+                    wrong += usize::from(bad);
+                    gap = gap.max((found.distance - found.bound) / found.distance.max(1e-3 * size));
+                    if time > slowest.0 {
+                        slowest = (time, i);
+                    }
+                    if bad || found.bound > truth[2] * (1.0 + 1e-9) + 1e-12 * size {
+                        println!(
+                            "  {stem}.{set} {i}: {x:?} true {} at {} {}: {}, bound {}",
+                            truth[2], truth[0], truth[1], found.note, found.bound
+                        );
+                    }
+                }
+            }
+        }
+        let n = points.len() as f64;
+        println!(
+            "{:22} {:6} {wrong:6} {gap:9.1e} {:9.2} {:9.1} {:9.2} {fast_wrong:8}   (slowest {})",
+            format!("{stem}.{set}"),
+            points.len(),
+            seconds[0] * 1e6 / n,
+            slowest.0 * 1e6,
+            seconds[1] * 1e6 / n,
+            slowest.1
+        );
+    }
+    Ok(())
+}
+
+fn rows(path: &Path) -> Result<Vec<Vec<f64>>, Box<dyn Error>> {
+    let text = std::fs::read_to_string(path)?;
+    text.lines().map(|line| line.split_whitespace().map(|w| Ok(w.parse()?)).collect()).collect()
+}

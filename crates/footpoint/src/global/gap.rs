@@ -1,0 +1,39 @@
+//! How close the lower bound must come to the distance.
+
+/// Thresholds of a search.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Gap {
+    /// Allowed gap as a share of the distance.
+    pub(crate) relative: f64,
+    /// Allowed gap as a length.
+    pub(crate) absolute: f64,
+    /// Squared distances whose relative difference is below this are equal.
+    pub(crate) tie: f64,
+    /// Boxes examined per patch before the rest is left unresolved.
+    pub(crate) max_boxes: u32,
+}
+
+impl Gap {
+    /// The thresholds that the options mean for a model of the given size.
+    pub(crate) fn new(options: &crate::ProjectionOptions, size: f64) -> Self {
+        Self {
+            relative: options.relative_gap,
+            absolute: options.absolute_gap * size,
+            tie: options.tie_tolerance,
+            max_boxes: options.max_boxes,
+        }
+    }
+
+    /// Whether a distance equals the one found.
+    pub(crate) fn is_tie(&self, distance_sq: f64, distance: f64) -> bool {
+        (distance_sq.sqrt() - distance).abs() <= self.tie * distance + 1e-3 * self.absolute
+    }
+
+    /// The squared distance below which nothing may be found once the footpoint is `distance_sq` away.
+    #[inline(always)]
+    pub(crate) fn limit_sq(&self, distance_sq: f64) -> f64 {
+        let limit = distance_sq.sqrt() * (1.0 - self.relative) - self.absolute;
+        // An infinite distance must stay one, and limits below zero have nothing below them.
+        if limit > 0.0 { limit * limit } else { 0.0 }
+    }
+}

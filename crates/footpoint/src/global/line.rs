@@ -1,0 +1,189 @@
+//! Lower bounds for polynomials of one variable: pieces of curves, edges of patches.
+
+use super::bernstein::basis_jet;
+use nurbs_core::MAX_DEGREE;
+
+/// Room for the Bernstein coefficients of a squared distance along a curve, filled up to whole rows.
+pub(crate) const LINE: usize = 2 * MAX_DEGREE + 8;
+
+/// Halvings after which an interval is left as it is.
+const MAX_DEPTH: u32 = 40;
+
+/// Bernstein coefficients on a part of `[0, 1]`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Segment {
+    pub(crate) coefficients: [f64; LINE],
+    start: f64,
+    length: f64,
+    depth: u32,
+}
+
+impl Segment {
+    pub(crate) fn unit(coefficients: [f64; LINE]) -> Self {
+        Self { coefficients, start: 0.0, length: 1.0, depth: 0 }
+    }
+}
+
+/// What is known about the sign of a polynomial.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum LineProof {
+    /// Nowhere below `−noise`.
+    Holds,
+    /// Below `−noise` at this parameter.
+    Below(f64),
+    /// Not decided; nowhere below this value.
+    Unresolved(f64),
+}
+
+/// Decides whether a polynomial of degree `n` is nonnegative on `[0, 1]`, up to `noise`.
+///
+/// Local minima whose value is at most `tie_level` are reported to `tie`. A parameter to which `skip` says yes
+/// has been examined without finding anything better: it is not reported as below again.
+pub(crate) fn prove_line(
+    whole: Segment,
+    n: usize,
+    noise: f64,
+    tie_level: f64,
+    stack: &mut Vec<Segment>,
+    tie: &mut dyn FnMut(f64),
+    skip: &mut dyn FnMut(f64) -> bool,
+) -> LineProof {
+    stack.clear();
+    stack.push(whole);
+    let mut unresolved = f64::INFINITY;
+    while let Some(segment) = stack.pop() {
+        let c = &segment.coefficients[..=n];
+        let parameter = |s: f64| segment.start + s * segment.length;
+        let (mut argmin, mut min) = (0, f64::INFINITY);
+        for (j, &value) in c.iter().enumerate() {
+            if value < min {
+                (argmin, min) = (j, value);
+            }
+        }
+        let guess = argmin as f64 / n as f64;
+        if min >= -noise {
+            if min <= tie_level {
+                tie(parameter(guess));
+            }
+            continue;
+        }
+        // The end coefficients are values of the polynomial: a minimum there is exact.
+        if argmin == 0 || argmin == n {
+            if !skip(parameter(guess)) {
+                return LineProof::Below(parameter(guess));
+            }
+            // Known not to be better: rounding errors only.
+            if monotone(c) {
+                continue;
+            }
+        }
+        let curvature = (0..n - 1).map(|j| c[j] - 2.0 * c[j + 1] + c[j + 2]).fold(f64::INFINITY, f64::min);
+        if curvature > 0.0 && n >= 2 {
+            let (s, value, bound) = minimize_convex(c, n, curvature * (n * (n - 1)) as f64, guess, noise);
+            if value < -noise && !skip(parameter(s)) {
+                return LineProof::Below(parameter(s));
+            }
+            if bound >= -noise || value < -noise {
+                if value <= tie_level {
+                    tie(parameter(s));
+                }
+                continue;
+            }
+        }
+        if segment.depth >= MAX_DEPTH {
+            unresolved = unresolved.min(min);
+            continue;
+        }
+        let (low, high) = halve(&segment, n);
+        stack.push(high);
+        stack.push(low);
+    }
+    if unresolved.is_finite() { LineProof::Unresolved(unresolved) } else { LineProof::Holds }
+}
+
+fn monotone(c: &[f64]) -> bool {
+    c.windows(2).all(|w| w[0] <= w[1]) || c.windows(2).all(|w| w[0] >= w[1])
+}
+
+/// Minimum of a convex polynomial with second derivative at least `strength`: place, value, lower bound.
+fn minimize_convex(c: &[f64], n: usize, strength: f64, guess: f64, noise: f64) -> (f64, f64, f64) {
+    let mut s = guess;
+    let mut result = (s, f64::INFINITY, f64::NEG_INFINITY);
+    for _ in 0..20 {
+        let mut basis = [[0.0; 3]; LINE];
+        basis_jet(n, s, &mut basis);
+        let [mut value, mut slope, mut bend] = [0.0; 3];
+        for (b, c) in basis.iter().zip(c) {
+            value += b[0] * c;
+            slope += b[1] * c;
+            bend += b[2] * c;
+        }
+        let blocked = (s <= 0.0 && slope > 0.0) || (s >= 1.0 && slope < 0.0);
+        let slope = if blocked { 0.0 } else { slope };
+        let bound = value - 0.5 * slope * slope / strength;
+        if value < result.1 {
+            result = (s, value, bound);
+        }
+        if bound >= -noise || value < -noise || slope == 0.0 {
+            break;
+        }
+        let next = (s - slope / bend.max(strength)).max(0.0).min(1.0);
+        if next == s {
+            // Converged to rounding: the value is the minimum.
+            result.2 = result.2.max(value - noise);
+            break;
+        }
+        s = next;
+    }
+    result
+}
+
+fn halve(segment: &Segment, n: usize) -> (Segment, Segment) {
+    let half = 0.5 * segment.length;
+    let depth = segment.depth + 1;
+    let mut low = Segment { length: half, depth, ..*segment };
+    let mut high = Segment { start: segment.start + half, length: half, depth, ..*segment };
+    let b = &mut high.coefficients;
+    for level in 0..n {
+        low.coefficients[level] = b[0];
+        for j in 0..n - level {
+            b[j] = 0.5 * (b[j] + b[j + 1]);
+        }
+    }
+    low.coefficients[n] = b[0];
+    (low, high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn prove(c: &[f64]) -> LineProof {
+        let mut coefficients = [0.0; LINE];
+        coefficients[..c.len()].copy_from_slice(c);
+        prove_line(
+            Segment::unit(coefficients),
+            c.len() - 1,
+            1e-14,
+            0.0,
+            &mut Vec::new(),
+            &mut |_| (),
+            &mut |_| false,
+        )
+    }
+
+    #[test]
+    fn signs_of_quadratics() {
+        // (s − 1/2)² + e in Bernstein form: [1/4, −1/4, 1/4] + e.
+        assert_eq!(prove(&[0.2501, -0.2499, 0.2501]), LineProof::Holds);
+        assert!(matches!(prove(&[0.2499, -0.2501, 0.2499]), LineProof::Below(s) if (s - 0.5).abs() < 0.02));
+        assert!(matches!(prove(&[1.0, 2.0, -1.0]), LineProof::Below(s) if s == 1.0));
+    }
+
+    #[test]
+    fn signs_of_a_wave() {
+        // Two minima; the second one dips below zero.
+        assert!(matches!(prove(&[1.0, -2.0, 4.0, -3.7, 1.0]), LineProof::Below(_)));
+        assert_eq!(prove(&[2.0, -0.9, 4.0, -0.9, 2.0]), LineProof::Holds);
+    }
+}

@@ -1,0 +1,20 @@
+//! Global search with a certificate.
+//!
+//! Once per shape: Bézier pieces in a tree of boxes, and for each piece the squared distance function, up to the
+//! query, in Bernstein form. Per query: best-first descent to promising pieces, local iteration there for an upper
+//! bound, then proofs for every piece that could hold something nearer.
+
+pub(crate) mod bernstein;
+pub(crate) mod cells;
+pub(crate) mod descend;
+pub(crate) mod dispatch;
+pub(crate) mod gap;
+pub(crate) mod lanes;
+pub(crate) mod line;
+pub(crate) mod patch;
+pub(crate) mod piece;
+pub(crate) mod prove;
+pub(crate) mod scratch;
+pub(crate) mod search;
+pub(crate) mod search_curve;
+pub(crate) mod tree;

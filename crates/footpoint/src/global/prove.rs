@@ -1,0 +1,460 @@
+//! Lower bounds on whole patches: the proof that no point is nearer than the footpoint.
+//!
+//! On a patch the polynomial `G = w² (|S − x|² − limit²)` must be shown to be nonnegative. Each box of the
+//! parameter domain is dropped as soon as one of these holds, and is halved otherwise:
+//! - all Bernstein coefficients are nonnegative;
+//! - `G` is monotone in one parameter: its minimum lies on an edge (shared with another box, or a polynomial of
+//!   one variable on the border of the patch);
+//! - `G` is strictly convex: its only minimum is found by Newton's method;
+//! - `G` is strictly convex in one parameter and its *ridge*, the line through the footpoint, stays above zero
+//!   by more than the slope across it can take away. This settles axes and centres, where whole curves of
+//!   points are equally near.
+
+use super::bernstein::basis_jet;
+use super::descend::Foot;
+use super::gap::Gap;
+use super::lanes::{
+    Row, WIDTH, add_scaled, differences, dot, row_max, row_min, second_differences, subtract, widen, zero_row,
+};
+use super::line::{LINE, LineProof, Segment, prove_line};
+use super::patch::{PatchSet, halve_row};
+use super::scratch::{Region, Scratch};
+use nalgebra::Vector3;
+
+/// Halvings, in both directions together, after which a box is left as it is.
+const MAX_DEPTH: u32 = 80;
+
+/// Improvement of the squared distance below which a place counts as the same minimum.
+const IMPROVEMENT: f64 = 1e-13;
+
+/// What one box of a patch says.
+enum Verdict {
+    Dropped,
+    /// `G` is negative at this place of the box.
+    Below([f64; 2]),
+    /// To be halved in this direction.
+    Undecided(usize, f64),
+}
+
+/// Thresholds of one query on one patch.
+struct Levels {
+    noise: f64,
+    tie: f64,
+}
+
+/// Bounds of the derivatives of `G` over a box, in box parameters.
+struct Bends {
+    du: [f64; 2],
+    dv: [f64; 2],
+    duu: f64,
+    dvv: f64,
+    duv: f64,
+}
+
+impl<const K: usize> PatchSet<K> {
+    /// Shows that no point of the patch is nearer than `search.limit_sq(best)`, improving `best` where one is.
+    ///
+    /// Returns the largest squared distance for which this was shown.
+    #[inline(always)]
+    pub(crate) fn prove(
+        &self,
+        x: &Vector3<f64>,
+        index: usize,
+        best: &mut Foot,
+        gap: &Gap,
+        scratch: &mut Scratch<K>,
+    ) -> f64 {
+        let patch = &self.patches[index];
+        let y = x - patch.centre;
+        let m = patch.rows();
+        let mut boxes = 0u32;
+        'restart: loop {
+            let limit_sq = gap.limit_sq(best.distance_sq);
+            scratch.regions.clear();
+            scratch.rows.resize(m, zero_row());
+            self.form(patch, &y, limit_sq, &mut scratch.rows[..m]);
+            scratch.regions.push(Region::UNIT);
+            // Rounding errors are a share of the terms that cancel, not of the small result.
+            let scale =
+                scratch.rows[..m].iter().map(|r| row_max(r).abs().max(row_min(r).abs())).fold(0.0, f64::max);
+            let excess = best.distance_sq * (1.0 + 4.0 * gap.tie) - limit_sq;
+            let levels = Levels {
+                noise: 4.0 * f64::EPSILON * (scale + y.norm_squared() * patch.max_weight_sq),
+                tie: excess * patch.max_weight_sq,
+            };
+            let mut unresolved = 0.0f64;
+            while let Some(region) = scratch.regions.pop() {
+                boxes += 1;
+                let first = scratch.regions.len() * m;
+                let mut rows = [zero_row::<K>(); LINE];
+                rows[..m].copy_from_slice(&scratch.rows[first..first + m]);
+                let rows = &rows[..m];
+                let focus = (best.patch == index).then_some(best.local);
+                match self.judge(rows, &region, focus, &levels, index, scratch) {
+                    Verdict::Dropped => {}
+                    Verdict::Below(place) => {
+                        let found = self.descend(x, index, place, 30);
+                        best.steps += found.steps;
+                        if found.distance_sq < best.distance_sq * (1.0 - IMPROVEMENT) {
+                            *best = Foot { steps: best.steps, ..found };
+                            continue 'restart;
+                        }
+                        // A minimum that is not lower than the known one but for rounding.
+                    }
+                    Verdict::Undecided(direction, min) => {
+                        if region.depth >= MAX_DEPTH || boxes >= gap.max_boxes {
+                            unresolved = unresolved.min(min);
+                            continue;
+                        }
+                        self.push_halves(rows, &region, direction, first, scratch);
+                    }
+                }
+            }
+            return (limit_sq + (unresolved - levels.noise) / patch.min_weight_sq).max(0.0);
+        }
+    }
+
+    #[inline(always)]
+    fn judge(
+        &self,
+        rows: &[Row<K>],
+        region: &Region,
+        focus: Option<[f64; 2]>,
+        levels: &Levels,
+        index: usize,
+        scratch: &mut Scratch<K>,
+    ) -> Verdict {
+        let (mut low, mut high) = (rows[0], rows[0]);
+        for row in &rows[1..] {
+            widen(&mut low, &mut high, row);
+        }
+        let min = row_min(&low);
+        if min >= -levels.noise {
+            if min <= levels.tie {
+                scratch.note_tie(index, region.place(argmin(rows)));
+            }
+            return Verdict::Dropped;
+        }
+        let bends = bends(rows);
+        if let Some(verdict) = self.monotone(rows, region, &bends, levels, index, scratch) {
+            return verdict;
+        }
+        let m = rows.len() as f64 - 1.0;
+        let n = Self::DEGREE as f64;
+        let (a, b, c) = (m * (m - 1.0) * bends.duu, n * (n - 1.0) * bends.dvv, m * n * bends.duv);
+        let inside = focus.map(|f| region.local(f));
+        if a > 0.0 && b > 0.0 && a * b > c * c {
+            let strength = 0.5 * (a + b) - (0.25 * (a - b) * (a - b) + c * c).sqrt();
+            let start = inside.unwrap_or_else(|| argmin(rows));
+            return self.minimize(rows, region, start, strength, levels, index, scratch);
+        }
+        if let Some(f) = inside {
+            if (a > 0.0 && ridge_u(rows, f[0], a, levels)) || (b > 0.0 && ridge_v(rows, f[1], b, levels)) {
+                // Equally near places along the ridge count as ties if they are apart.
+                for s in [0.0, 1.0] {
+                    let place = if a > 0.0 { [f[0], s] } else { [s, f[1]] };
+                    scratch.note_tie(index, region.place(place));
+                }
+                return Verdict::Dropped;
+            }
+        }
+        Verdict::Undecided(sag_direction(rows), min)
+    }
+
+    /// Boxes on which `G` is monotone in a parameter.
+    #[inline(always)]
+    fn monotone(
+        &self,
+        rows: &[Row<K>],
+        region: &Region,
+        bends: &Bends,
+        levels: &Levels,
+        index: usize,
+        scratch: &mut Scratch<K>,
+    ) -> Option<Verdict> {
+        for (d, range) in [bends.du, bends.dv].into_iter().enumerate() {
+            let rising = range[0] >= -levels.noise;
+            let falling = range[1] <= levels.noise;
+            if !rising && !falling {
+                continue;
+            }
+            let end = usize::from(!rising);
+            if !region.at_border(d, end) {
+                if range[0] > 0.0 || range[1] < 0.0 {
+                    // The neighbouring box of the same patch holds this edge too.
+                    return Some(Verdict::Dropped);
+                }
+                continue;
+            }
+            let mut c = [0.0; LINE];
+            let n = if d == 0 {
+                let row = &rows[end * (rows.len() - 1)];
+                for j in 0..=Self::DEGREE {
+                    c[j] = row[j / WIDTH].0[j % WIDTH];
+                }
+                Self::DEGREE
+            } else {
+                for (i, row) in rows.iter().enumerate() {
+                    c[i] = if end == 0 { row[0].0[0] } else { row[K - 1].0[WIDTH - 1] };
+                }
+                rows.len() - 1
+            };
+            let place = |s: f64| {
+                let mut at = [s; 2];
+                at[d] = end as f64;
+                region.place(at)
+            };
+            let noise = levels.noise * 2.0 * LINE as f64;
+            let mut ties = [None; 4];
+            let mut count = 0;
+            let mut note = |s: f64| {
+                if count < ties.len() {
+                    ties[count] = Some(s);
+                    count += 1;
+                }
+            };
+            let mut stack = std::mem::take(&mut scratch.segments);
+            let proof =
+                prove_line(Segment::unit(c), n, noise, levels.tie, &mut stack, &mut note, &mut |_| false);
+            scratch.segments = stack;
+            for s in ties.into_iter().flatten() {
+                scratch.note_tie(index, place(s));
+            }
+            return Some(match proof {
+                LineProof::Holds => Verdict::Dropped,
+                LineProof::Below(s) => Verdict::Below(place(s)),
+                LineProof::Unresolved(min) => Verdict::Undecided(1 - d, min),
+            });
+        }
+        None
+    }
+
+    /// Minimum of a strictly convex box.
+    #[inline(always)]
+    fn minimize(
+        &self,
+        rows: &[Row<K>],
+        region: &Region,
+        start: [f64; 2],
+        strength: f64,
+        levels: &Levels,
+        index: usize,
+        scratch: &mut Scratch<K>,
+    ) -> Verdict {
+        let mut at = start;
+        for _ in 0..30 {
+            let (value, mut g, h) = evaluate(rows, at);
+            if value < -levels.noise {
+                return Verdict::Below(region.place(at));
+            }
+            let mut free = [true; 2];
+            for d in 0..2 {
+                free[d] = !((at[d] <= 0.0 && g[d] > 0.0) || (at[d] >= 1.0 && g[d] < 0.0));
+                if !free[d] {
+                    g[d] = 0.0;
+                }
+            }
+            let slope_sq = g[0] * g[0] + g[1] * g[1];
+            let settled = value - 0.5 * slope_sq / strength >= -levels.noise;
+            // Where the minimum may be a tie it is wanted exactly.
+            if settled && value > 4.0 * levels.tie {
+                return Verdict::Dropped;
+            }
+            let det = h[0] * h[2] - h[1] * h[1];
+            let step = match free {
+                [true, true] => [(h[1] * g[1] - h[2] * g[0]) / det, (h[1] * g[0] - h[0] * g[1]) / det],
+                [true, false] => [-g[0] / h[0], 0.0],
+                [false, true] => [0.0, -g[1] / h[2]],
+                [false, false] => [0.0; 2],
+            };
+            let next = [0, 1].map(|d| (at[d] + step[d]).max(0.0).min(1.0));
+            let moved = (next[0] - at[0]).abs().max((next[1] - at[1]).abs());
+            if moved < 1e-9 && settled {
+                if value <= levels.tie {
+                    scratch.note_tie(index, region.place(at));
+                }
+                return Verdict::Dropped;
+            }
+            if moved == 0.0 {
+                return Verdict::Dropped;
+            }
+            at = next;
+        }
+        // Newton's method with bounds may cycle between them; smaller boxes will not.
+        Verdict::Undecided(sag_direction(rows), -0.0)
+    }
+
+    #[inline(always)]
+    fn push_halves(
+        &self,
+        rows: &[Row<K>],
+        region: &Region,
+        direction: usize,
+        first: usize,
+        scratch: &mut Scratch<K>,
+    ) {
+        let m = rows.len();
+        scratch.rows.resize(first + 2 * m, zero_row());
+        if direction == 0 {
+            // De Casteljau's scheme on whole rows: lower half in place, upper half behind it.
+            let (low, high) = scratch.rows[first..first + 2 * m].split_at_mut(m);
+            high.copy_from_slice(rows);
+            for level in 0..m {
+                low[level] = high[0];
+                for i in 0..m - 1 - level {
+                    for k in 0..K {
+                        high[i][k] = (high[i][k] + high[i + 1][k]) * 0.5;
+                    }
+                }
+            }
+        } else {
+            for (i, row) in rows.iter().enumerate() {
+                for half in 0..2 {
+                    scratch.rows[first + half * m + i] = halve_row(row, &self.halves[half]);
+                }
+            }
+        }
+        let [low, high] = region.halves(direction);
+        scratch.regions.push(low);
+        scratch.regions.push(high);
+    }
+}
+
+/// Place of the smallest coefficient, in box parameters.
+#[inline(always)]
+pub(crate) fn argmin<const K: usize>(rows: &[Row<K>]) -> [f64; 2] {
+    let mut best = (f64::INFINITY, 0, 0);
+    for (i, row) in rows.iter().enumerate() {
+        if row_min(row) < best.0 {
+            for j in 0..WIDTH * K {
+                let value = row[j / WIDTH].0[j % WIDTH];
+                if value < best.0 {
+                    best = (value, i, j);
+                }
+            }
+        }
+    }
+    [best.1 as f64 / (rows.len() - 1) as f64, best.2 as f64 / (WIDTH * K - 1) as f64]
+}
+
+#[inline(always)]
+fn bends<const K: usize>(rows: &[Row<K>]) -> Bends {
+    let m = rows.len();
+    let inf = [super::lanes::Lanes::splat(f64::INFINITY); K];
+    let ninf = [super::lanes::Lanes::splat(f64::NEG_INFINITY); K];
+    let (mut du, mut dv, mut duu, mut dvv, mut duv) =
+        ((inf, ninf), (inf, ninf), (inf, ninf), (inf, ninf), (inf, ninf));
+    let mut previous = zero_row::<K>();
+    for i in 0..m {
+        let along = differences(&rows[i]);
+        widen(&mut dv.0, &mut dv.1, &along);
+        widen(&mut dvv.0, &mut dvv.1, &second_differences(&along));
+        if i + 1 < m {
+            let across = subtract(&rows[i + 1], &rows[i]);
+            widen(&mut du.0, &mut du.1, &across);
+            widen(&mut duv.0, &mut duv.1, &differences(&across));
+            if i > 0 {
+                widen(&mut duu.0, &mut duu.1, &subtract(&across, &previous));
+            }
+            previous = across;
+        }
+    }
+    Bends {
+        du: [row_min(&du.0), row_max(&du.1)],
+        dv: [row_min(&dv.0), row_max(&dv.1)],
+        duu: row_min(&duu.0),
+        dvv: row_min(&dvv.0),
+        duv: row_max(&duv.1).abs().max(row_min(&duv.0).abs()),
+    }
+}
+
+/// Value, gradient and Hessian (`ss`, `st`, `tt`) of `G` at a place of the box.
+#[inline(always)]
+fn evaluate<const K: usize>(rows: &[Row<K>], at: [f64; 2]) -> (f64, [f64; 2], [f64; 3]) {
+    let m = rows.len() - 1;
+    let mut bu = [[0.0; 3]; LINE];
+    basis_jet(m, at[0], &mut bu);
+    let mut sums = [zero_row::<K>(); 3];
+    for (row, b) in rows.iter().zip(&bu) {
+        for d in 0..3 {
+            add_scaled(&mut sums[d], row, b[d]);
+        }
+    }
+    let bv = basis_rows::<K>(at[1]);
+    (
+        dot(&sums[0], &bv[0]),
+        [dot(&sums[1], &bv[0]), dot(&sums[0], &bv[1])],
+        [dot(&sums[2], &bv[0]), dot(&sums[1], &bv[1]), dot(&sums[0], &bv[2])],
+    )
+}
+
+/// Bernstein polynomials of degree `8 K − 1` and their derivatives as rows.
+#[inline(always)]
+fn basis_rows<const K: usize>(t: f64) -> [Row<K>; 3] {
+    let mut b = [[0.0; 3]; LINE];
+    basis_jet(WIDTH * K - 1, t, &mut b);
+    let mut out = [zero_row::<K>(); 3];
+    for d in 0..3 {
+        for j in 0..WIDTH * K {
+            out[d][j / WIDTH].0[j % WIDTH] = b[j][d];
+        }
+    }
+    out
+}
+
+/// Whether `G ≥ G(s, ·) − G_u(s, ·)² / 2a` keeps the box above zero, `a` being a lower bound of `G_uu`.
+#[inline(always)]
+fn ridge_u<const K: usize>(rows: &[Row<K>], s: f64, a: f64, levels: &Levels) -> bool {
+    let mut b = [[0.0; 3]; LINE];
+    basis_jet(rows.len() - 1, s, &mut b);
+    let (mut value, mut slope) = (zero_row::<K>(), zero_row::<K>());
+    for (row, b) in rows.iter().zip(&b) {
+        add_scaled(&mut value, row, b[0]);
+        add_scaled(&mut slope, row, b[1]);
+    }
+    // A slope that points out of the box at its border takes nothing away.
+    let (falls, rises) = ((-row_min(&slope)).max(0.0), row_max(&slope).max(0.0));
+    let steepest = if s <= 0.0 {
+        falls
+    } else if s >= 1.0 {
+        rises
+    } else {
+        falls.max(rises)
+    };
+    row_min(&value) - 0.5 * steepest * steepest / a >= -levels.noise
+}
+
+/// As [`ridge_u`], along a line of constant `v`.
+#[inline(always)]
+fn ridge_v<const K: usize>(rows: &[Row<K>], t: f64, b: f64, levels: &Levels) -> bool {
+    let basis = basis_rows::<K>(t);
+    let (mut least, mut falls, mut rises) = (f64::INFINITY, 0.0f64, 0.0f64);
+    for row in rows {
+        least = least.min(dot(row, &basis[0]));
+        let slope = dot(row, &basis[1]);
+        falls = falls.max(-slope);
+        rises = rises.max(slope);
+    }
+    let steepest = if t <= 0.0 {
+        falls
+    } else if t >= 1.0 {
+        rises
+    } else {
+        falls.max(rises)
+    };
+    least - 0.5 * steepest * steepest / b >= -levels.noise
+}
+
+/// The direction in which the control net sags most at its lowest coefficient.
+#[inline(always)]
+fn sag_direction<const K: usize>(rows: &[Row<K>]) -> usize {
+    let (m, n) = (rows.len() - 1, WIDTH * K - 1);
+    let [s, t] = argmin(rows);
+    let (i, j) = ((s * m as f64).round() as usize, (t * n as f64).round() as usize);
+    let at = |i: usize, j: usize| rows[i][j / WIDTH].0[j % WIDTH];
+    let second = |a: f64, b: f64, c: f64| (a - 2.0 * b + c).abs();
+    let (ci, cj) = (i.clamp(1, m.max(2) - 1), j.clamp(1, n - 1));
+    let sag_u = if m >= 2 { second(at(ci - 1, j), at(ci, j), at(ci + 1, j)) * (m * m) as f64 } else { 0.0 };
+    let sag_v = second(at(i, cj - 1), at(i, cj), at(i, cj + 1)) * (n * n) as f64;
+    usize::from(sag_v > sag_u)
+}

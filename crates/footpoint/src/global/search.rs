@@ -1,0 +1,121 @@
+//! Best-first search for the nearest point of a set of patches, and its certificate.
+
+use super::descend::Foot;
+use super::gap::Gap;
+use super::lanes::{row_max, row_min, zero_row};
+use super::patch::PatchSet;
+use super::prove::argmin;
+use super::scratch::Scratch;
+use super::tree::{Content, Visit};
+use nalgebra::Vector3;
+
+/// Limit of the local iterations that start inside a search.
+const MAX_STEPS: u32 = 40;
+
+/// Footpoint and what is proven about it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Found {
+    pub(crate) foot: Foot,
+    /// Squared distance below which the model has no point.
+    pub(crate) bound_sq: f64,
+}
+
+impl<const K: usize> PatchSet<K> {
+    /// The nearest point; `start` is a footpoint to begin with, `prove` asks for the certificate.
+    #[inline(always)]
+    pub(crate) fn search(
+        &self,
+        x: &Vector3<f64>,
+        start: Option<Foot>,
+        prove: bool,
+        gap: &Gap,
+        scratch: &mut Scratch<K>,
+    ) -> Found {
+        let mut best = start.unwrap_or(Foot::NONE);
+        let mut limit_sq = gap.limit_sq(best.distance_sq);
+        scratch.candidates.clear();
+        scratch.ties.clear();
+        scratch.visits.clear();
+        scratch.visits.push(Visit::root());
+        let query = [x.x, x.y, x.z];
+        while let Some(visit) = scratch.visits.pop() {
+            if visit.distance_sq >= limit_sq {
+                continue;
+            }
+            let index = match visit.content() {
+                Content::Node(node) => {
+                    self.tree.expand(node, &query, limit_sq, &mut scratch.visits);
+                    continue;
+                }
+                Content::Item(index) => index,
+            };
+            if index == best.patch && best.settled {
+                scratch.candidates.push((index, visit.distance_sq));
+                continue;
+            }
+            if let Some(place) = self.promising(x, index, limit_sq, scratch) {
+                scratch.candidates.push((index, visit.distance_sq));
+                if self.distance_sq(x, index, place) < best.distance_sq {
+                    let found = self.descend(x, index, place, MAX_STEPS);
+                    let steps = best.steps + found.steps;
+                    if found.distance_sq < best.distance_sq {
+                        best = found;
+                        limit_sq = gap.limit_sq(best.distance_sq);
+                    }
+                    best.steps = steps;
+                }
+            }
+            if limit_sq == 0.0 {
+                // On the model, as far as the allowed gap can tell.
+                return Found { foot: best, bound_sq: 0.0 };
+            }
+        }
+        if !prove {
+            return Found { foot: best, bound_sq: 0.0 };
+        }
+        let mut bound_sq = limit_sq;
+        let mut next = 0;
+        while next < scratch.candidates.len() {
+            let (index, box_sq) = scratch.candidates[next];
+            next += 1;
+            if box_sq < gap.limit_sq(best.distance_sq) {
+                bound_sq = bound_sq.min(self.prove(x, index, &mut best, gap, scratch));
+            }
+        }
+        Found { foot: best, bound_sq: bound_sq.min(gap.limit_sq(best.distance_sq)) }
+    }
+
+    /// The most likely place of a point of the patch nearer than the limit, or `None` if there cannot be one.
+    #[inline(always)]
+    fn promising(
+        &self,
+        x: &Vector3<f64>,
+        index: usize,
+        limit_sq: f64,
+        scratch: &mut Scratch<K>,
+    ) -> Option<[f64; 2]> {
+        let patch = &self.patches[index];
+        let m = patch.rows();
+        if scratch.rows.len() < m {
+            scratch.rows.resize(m, zero_row());
+        }
+        let y = x - patch.centre;
+        let limit_sq = if limit_sq.is_finite() { limit_sq } else { 0.0 };
+        let rows = &mut scratch.rows[..m];
+        self.form(patch, &y, limit_sq, rows);
+        let (mut low, mut high) = (rows[0], rows[0]);
+        for row in &rows[1..] {
+            super::lanes::widen(&mut low, &mut high, row);
+        }
+        let min = row_min(&low);
+        if min >= 0.0 && limit_sq > 0.0 {
+            // Nearly as near as the footpoint: perhaps a second one.
+            if min <= 1e-6 * row_max(&high) {
+                let place = argmin(rows);
+                scratch.note_tie(index, place);
+            }
+            return None;
+        }
+        Some(argmin(rows))
+    }
+}

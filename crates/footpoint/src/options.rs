@@ -1,0 +1,82 @@
+//! How hard a projection tries.
+
+use crate::Error;
+
+/// What is done to find the footpoint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
+pub enum Mode {
+    /// Global search with a proof that no other point is nearer (but for the gap).
+    #[default]
+    Certified,
+    /// Local iterations from the most promising pieces only; no proof.
+    Fast,
+    /// One local iteration from the start given: a previous answer, or the nearest piece when there is none.
+    Local,
+}
+
+/// Options of a projection.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct ProjectionOptions {
+    /// What is done; default [`Mode::Certified`].
+    pub mode: Mode,
+    /// Allowed gap between distance and lower bound as a share of the distance; default 1e-7.
+    pub relative_gap: f64,
+    /// Allowed gap as a share of the largest side of the bounding box of the model; default 1e-10.
+    pub absolute_gap: f64,
+    /// Relative difference below which two distances count as equal (ties); default 1e-9.
+    pub tie_tolerance: f64,
+    /// Boxes examined per piece before a proof is given up, with the weaker bound reported; default 20 000.
+    pub max_boxes: u32,
+}
+
+impl Default for ProjectionOptions {
+    fn default() -> Self {
+        Self {
+            mode: Mode::Certified,
+            relative_gap: 1e-7,
+            absolute_gap: 1e-10,
+            tie_tolerance: 1e-9,
+            max_boxes: 20_000,
+        }
+    }
+}
+
+impl ProjectionOptions {
+    /// The same options with another mode.
+    #[must_use]
+    pub fn with_mode(self, mode: Mode) -> Self {
+        Self { mode, ..self }
+    }
+
+    /// The same options with another relative gap.
+    #[must_use]
+    pub fn with_relative_gap(self, relative_gap: f64) -> Self {
+        Self { relative_gap, ..self }
+    }
+
+    /// The same options with another absolute gap (share of the size of the model).
+    #[must_use]
+    pub fn with_absolute_gap(self, absolute_gap: f64) -> Self {
+        Self { absolute_gap, ..self }
+    }
+
+    /// Checks that every tolerance is usable.
+    ///
+    /// # Errors
+    /// [`Error::Option`] for a gap that is NaN, negative or not below 1.
+    pub fn validate(&self) -> Result<(), Error> {
+        let gaps = [
+            ("relative_gap", self.relative_gap),
+            ("absolute_gap", self.absolute_gap),
+            ("tie_tolerance", self.tie_tolerance),
+        ];
+        for (option, value) in gaps {
+            if !(0.0..1.0).contains(&value) {
+                return Err(Error::Option { option, value, what: "it must be at least 0 and below 1" });
+            }
+        }
+        Ok(())
+    }
+}

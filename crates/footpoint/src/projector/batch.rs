@@ -1,0 +1,124 @@
+//! Many points at once: coherent order, warm starts, threads (the only file that knows `rayon`).
+
+use super::Progress;
+use crate::global::dispatch::vectorized;
+use nalgebra::SVector;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+/// Points per task: fixed, so that the results do not depend on the number of threads.
+const CHUNK: usize = 512;
+
+/// What a batch of queries needs to know about the shape.
+pub(crate) trait Batch<const D: usize>: Sync {
+    /// Working memory.
+    type Scratch: Default + Send + 'static;
+    /// Where the last footpoint was.
+    type Hint: Default;
+    /// Result of one query.
+    type Output: Copy + Send + Sync;
+
+    fn invalid(&self) -> Self::Output;
+    fn cancelled(&self) -> Self::Output;
+    fn answer(&self, x: &SVector<f64, D>, hint: &mut Self::Hint, scratch: &mut Self::Scratch)
+    -> Self::Output;
+}
+
+/// One query.
+pub(crate) fn single<const D: usize, B: Batch<D>>(batch: &B, x: &SVector<f64, D>) -> B::Output {
+    let mut scratch = B::Scratch::default();
+    slice(batch, std::slice::from_ref(x), &[0], &mut scratch, &mut |_, out| out)
+        .unwrap_or_else(|| batch.invalid())
+}
+
+/// Answers the points of one chunk in order; each starts from the answer before it. Returns the last answer.
+fn slice<const D: usize, B: Batch<D>>(
+    batch: &B,
+    points: &[SVector<f64, D>],
+    order: &[u32],
+    scratch: &mut B::Scratch,
+    store: &mut dyn FnMut(u32, B::Output) -> B::Output,
+) -> Option<B::Output> {
+    vectorized(
+        #[inline(always)]
+        || {
+            let mut hint = B::Hint::default();
+            let mut last = None;
+            for &index in order {
+                let x = &points[index as usize];
+                let out = if x.iter().all(|c| c.is_finite()) {
+                    batch.answer(x, &mut hint, scratch)
+                } else {
+                    batch.invalid()
+                };
+                last = Some(store(index, out));
+            }
+            last
+        },
+    )
+}
+
+/// All points, in parallel.
+pub(crate) fn run<const D: usize, B: Batch<D>>(
+    batch: &B,
+    points: &[SVector<f64, D>],
+    progress: Progress<'_>,
+) -> Vec<B::Output> {
+    let order = coherent_order(points);
+    let done = AtomicUsize::new(0);
+    let cancelled = AtomicBool::new(false);
+    let chunks: Vec<Vec<(u32, B::Output)>> = order
+        .par_chunks(CHUNK)
+        .map_init(B::Scratch::default, |scratch, chunk| {
+            let mut out = Vec::with_capacity(chunk.len());
+            if cancelled.load(Ordering::Relaxed) {
+                return out;
+            }
+            slice(batch, points, chunk, scratch, &mut |index, answer| {
+                out.push((index, answer));
+                answer
+            });
+            let total = done.fetch_add(chunk.len(), Ordering::Relaxed) + chunk.len();
+            if progress(total, points.len()).is_break() {
+                cancelled.store(true, Ordering::Relaxed);
+            }
+            out
+        })
+        .collect();
+    let mut results = vec![batch.cancelled(); points.len()];
+    for (index, answer) in chunks.into_iter().flatten() {
+        results[index as usize] = answer;
+    }
+    results
+}
+
+/// Indices of the points along a space-filling (Morton) curve, so that neighbours in the order are neighbours in
+/// space; ties keep the order of the input.
+fn coherent_order<const D: usize>(points: &[SVector<f64, D>]) -> Vec<u32> {
+    let mut low = SVector::<f64, D>::repeat(f64::INFINITY);
+    let mut high = -low;
+    for p in points.iter().filter(|p| p.iter().all(|c| c.is_finite())) {
+        low = low.inf(p);
+        high = high.sup(p);
+    }
+    let bits = (63 / D.max(1)).min(21);
+    let cells = (1u64 << bits) as f64;
+    let scale = cells / (high - low).max().max(f64::MIN_POSITIVE);
+    let key = |p: &SVector<f64, D>| -> u64 {
+        let mut key = 0;
+        for d in 0..D {
+            let cell = ((p[d] - low[d]) * scale).max(0.0).min(cells - 1.0) as u64;
+            key |= spread(cell, D) << d;
+        }
+        key
+    };
+    let mut keyed: Vec<(u64, u32)> =
+        points.par_iter().enumerate().map(|(i, p)| (key(p), u32::try_from(i).unwrap_or(u32::MAX))).collect();
+    keyed.par_sort_unstable();
+    keyed.into_iter().map(|(_, index)| index).collect()
+}
+
+/// Bits of `cell` moved `stride` places apart.
+fn spread(cell: u64, stride: usize) -> u64 {
+    (0..64 / stride.max(1)).fold(0, |out, bit| out | ((cell >> bit) & 1) << (bit * stride))
+}

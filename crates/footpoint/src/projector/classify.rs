@@ -1,0 +1,238 @@
+//! Where a footpoint lies, on which side the query is, and whether there are others.
+
+use crate::global::descend::Foot;
+use crate::global::gap::Gap;
+use crate::global::patch::{Patch, PatchSet};
+use crate::global::scratch::Scratch;
+use crate::{Location, Multiplicity, Status, SurfaceFootpoint};
+use nalgebra::Vector3;
+use nurbs_core::SurfaceJet;
+
+/// Local parameters this close to a border are on it.
+const ON_BORDER: f64 = 1e-12;
+/// Share of the size of the model within which points are the same.
+pub(super) const SAME_POINT: f64 = 1e-7;
+/// Cosine of the angle between the connecting line and a tangent that still counts as a right angle.
+pub(super) const ORTHOGONAL: f64 = 1e-6;
+/// `1 − d κ` below this asks whether the footpoint is one of a continuum.
+pub(super) const FLAT: f64 = 1e-4;
+
+impl SurfaceFootpoint {
+    /// The answer for a point that is not finite.
+    pub(crate) fn invalid() -> Self {
+        Self {
+            shape: 0,
+            parameter: [f64::NAN; 2],
+            point: Vector3::repeat(f64::NAN),
+            distance: f64::NAN,
+            signed_distance: f64::NAN,
+            status: Status::InvalidPoint,
+            location: Location::Interior,
+            multiplicity: Multiplicity::Unknown,
+            lower_bound: 0.0,
+            iterations: 0,
+        }
+    }
+}
+
+impl<const K: usize> PatchSet<K> {
+    /// Turns a place into the public result: everything but the bound and the multiplicity.
+    #[inline(always)]
+    pub(crate) fn finish(&self, x: &Vector3<f64>, foot: &Foot) -> SurfaceFootpoint {
+        let patch = &self.patches[foot.patch];
+        let [s, t] = foot.local;
+        let jet = self.jet(patch, s, t);
+        let y = x - patch.centre;
+        let r = jet.point - y;
+        let distance = r.norm();
+        let location = self.location(patch, foot.local, &jet);
+        let stationary = self.is_stationary(patch, foot.local, &jet, &r, distance);
+        let at_boundary = matches!(location, Location::Edge | Location::Corner);
+        let status = match (stationary, at_boundary) {
+            (true, true) => Status::OnBoundary,
+            (true, false) => Status::Converged,
+            (false, _) if foot.settled => Status::Stalled,
+            (false, _) => Status::MaxIterations,
+        };
+        let side = -outward(foot.local, &jet).dot(&r);
+        SurfaceFootpoint {
+            shape: patch.shape,
+            parameter: patch.parameter(s, t),
+            point: jet.point + patch.centre,
+            distance,
+            signed_distance: if side < 0.0 { -distance } else { distance },
+            status,
+            location,
+            multiplicity: Multiplicity::Unknown,
+            lower_bound: 0.0,
+            iterations: foot.steps,
+        }
+    }
+
+    /// Whether the derivative of the distance vanishes, or points out of the domain, in each direction.
+    #[inline(always)]
+    fn is_stationary(
+        &self,
+        patch: &Patch,
+        local: [f64; 2],
+        jet: &SurfaceJet,
+        r: &Vector3<f64>,
+        distance: f64,
+    ) -> bool {
+        (0..2).all(|d| {
+            let tangent = if d == 0 { &jet.du } else { &jet.dv };
+            let (slope, speed) = (tangent.dot(r), tangent.norm());
+            let small = slope.abs() <= speed * (ORTHOGONAL * distance).max(1e-11 * self.size);
+            let blocked = (local[d] <= 0.0 && slope > 0.0) || (local[d] >= 1.0 && slope < 0.0);
+            // Inside the model a border of a patch blocks only where the surface has a kink.
+            let end = usize::from(local[d] >= 1.0);
+            small || (blocked && self.cells[patch.shape].across(patch.cell, d, end).is_none())
+        })
+    }
+
+    #[inline(always)]
+    fn location(&self, patch: &Patch, local: [f64; 2], jet: &SurfaceJet) -> Location {
+        let cells = &self.cells[patch.shape];
+        let mut edges = 0;
+        let mut seam = false;
+        for d in 0..2 {
+            let end = usize::from(local[d] > 0.5);
+            let gap = (local[d] - end as f64).abs();
+            if !cells.at_end(patch.cell, d, end) {
+                continue;
+            }
+            let tangent = if d == 0 { &jet.du } else { &jet.dv };
+            if cells.collapsed[d][end] && gap * tangent.norm() <= 1e-9 * self.size {
+                return Location::Pole;
+            }
+            if gap <= ON_BORDER {
+                if cells.closed[d] {
+                    seam = true;
+                } else {
+                    edges += 1;
+                }
+            }
+        }
+        match (edges, seam) {
+            (2, _) => Location::Corner,
+            (1, _) => Location::Edge,
+            (_, true) => Location::Seam,
+            _ => Location::Interior,
+        }
+    }
+
+    /// Whether another point, apart from the footpoint, is as near.
+    pub(crate) fn multiplicity(
+        &self,
+        x: &Vector3<f64>,
+        foot: &Foot,
+        out: &SurfaceFootpoint,
+        gap: &Gap,
+        scratch: &mut Scratch<K>,
+    ) -> Multiplicity {
+        if out.distance <= gap.absolute {
+            return Multiplicity::Unique;
+        }
+        if self.continues(x, foot, out, gap) {
+            return Multiplicity::Continuum;
+        }
+        let apart = SAME_POINT * self.size;
+        let tied = scratch.ties.drain(..).any(|(patch, place)| {
+            let other = self.descend(x, patch, place, 30);
+            let p = &self.patches[other.patch];
+            let point = self.point(p, other.local[0], other.local[1]) + p.centre;
+            gap.is_tie(other.distance_sq, out.distance)
+                && (point - out.point).norm() > apart.max(1e-6 * out.distance)
+        });
+        if tied { Multiplicity::Tied } else { Multiplicity::Unique }
+    }
+
+    /// Walks a little along the flattest direction: where the distance stays, the footpoint is one of many.
+    fn continues(&self, x: &Vector3<f64>, foot: &Foot, out: &SurfaceFootpoint, gap: &Gap) -> bool {
+        let patch = &self.patches[foot.patch];
+        let jet = self.jet(patch, foot.local[0], foot.local[1]);
+        let r = jet.point - (x - patch.centre);
+        let metric = [jet.du.norm_squared(), jet.du.dot(&jet.dv), jet.dv.norm_squared()];
+        let hessian = [metric[0] + jet.duu.dot(&r), metric[1] + jet.duv.dot(&r), metric[2] + jet.dvv.dot(&r)];
+        let reach = 1e-3 * self.size;
+        let (ratio, direction) = match out.location {
+            Location::Pole | Location::Corner => return false,
+            Location::Edge => {
+                // Only the direction along the edge is free.
+                let cells = &self.cells[patch.shape];
+                let on = |d: usize| {
+                    let end = usize::from(foot.local[d] > 0.5);
+                    (foot.local[d] - end as f64).abs() <= ON_BORDER
+                        && cells.at_end(patch.cell, d, end)
+                        && !cells.closed[d]
+                };
+                let along = usize::from(on(0));
+                let mut direction = [0.0; 2];
+                direction[along] = 1.0 / metric[2 * along].sqrt();
+                (hessian[2 * along] / metric[2 * along], direction)
+            }
+            Location::Interior | Location::Seam => flattest(&metric, &hessian),
+        };
+        if !(ratio.abs() <= FLAT) {
+            return false;
+        }
+        [1.0, -1.0].into_iter().any(|sign| {
+            // In small strides, each brought back onto the valley.
+            let mut at = *foot;
+            for _ in 0..4 {
+                let step = direction.map(|c| sign * c * 0.25 * reach);
+                if !step.iter().all(|c| c.is_finite()) {
+                    return false;
+                }
+                let (index, local) = self.walk(at.patch, at.local, step.map(|c| c.clamp(-1.0, 1.0)));
+                at = Foot { patch: index, local, ..at };
+            }
+            let p = &self.patches[at.patch];
+            let point = self.point(p, at.local[0], at.local[1]) + p.centre;
+            let settled = self.descend(x, at.patch, at.local, 30);
+            let q = &self.patches[settled.patch];
+            let end = self.point(q, settled.local[0], settled.local[1]) + q.centre;
+            let moved = (end - out.point).norm();
+            gap.is_tie(settled.distance_sq, out.distance)
+                && moved > 0.5 * (point - out.point).norm()
+                && moved > 0.1 * reach
+        })
+    }
+}
+
+/// A vector along the normal; at a pole the limit of the normals along the parameter line.
+#[inline(always)]
+fn outward([s, t]: [f64; 2], jet: &SurfaceJet) -> Vector3<f64> {
+    let normal = jet.du.cross(&jet.dv);
+    let (lu, lv) = (jet.du.norm_squared(), jet.dv.norm_squared());
+    if normal.norm_squared() > 1e-18 * lu.max(lv) * lu.max(lv) {
+        return normal;
+    }
+    // The collapsed direction grows like the mixed derivative times the distance to the edge.
+    if lu < lv {
+        jet.duv.cross(&jet.dv) * if t < 0.5 { 1.0 } else { -1.0 }
+    } else {
+        jet.du.cross(&jet.duv) * if s < 0.5 { 1.0 } else { -1.0 }
+    }
+}
+
+/// Smallest eigenvalue of the Hessian with respect to the metric, `1 − d κ`, and its unit direction.
+fn flattest(g: &[f64; 3], h: &[f64; 3]) -> (f64, [f64; 2]) {
+    // Roots of det(H − λ G).
+    let a = g[0] * g[2] - g[1] * g[1];
+    let b = h[0] * g[2] + h[2] * g[0] - 2.0 * h[1] * g[1];
+    let c = h[0] * h[2] - h[1] * h[1];
+    let root = (0.5 * b - (0.25 * b * b - a * c).max(0.0).sqrt()) / a;
+    let rows = [[h[0] - root * g[0], h[1] - root * g[1]], [h[1] - root * g[1], h[2] - root * g[2]]];
+    let weight = |r: &[f64; 2]| r[0].abs() / g[0].sqrt() + r[1].abs() / g[2].sqrt();
+    let row = if weight(&rows[0]) >= weight(&rows[1]) { rows[0] } else { rows[1] };
+    let mut direction = [-row[1], row[0]];
+    if direction == [0.0; 2] {
+        direction = [1.0, 0.0];
+    }
+    let length = (g[0] * direction[0] * direction[0]
+        + 2.0 * g[1] * direction[0] * direction[1]
+        + g[2] * direction[1] * direction[1])
+        .sqrt();
+    (root, direction.map(|c| c / length))
+}

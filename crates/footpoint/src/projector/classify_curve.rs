@@ -1,0 +1,88 @@
+//! Where on a curve a footpoint lies, and whether there are others.
+
+use super::classify::{FLAT, ORTHOGONAL, SAME_POINT};
+use crate::global::gap::Gap;
+use crate::global::piece::PieceSet;
+use crate::global::search_curve::{CurveFoot, CurveScratch};
+use crate::{CurveFootpoint, Location, Multiplicity, Status};
+use nalgebra::SVector;
+
+impl<const D: usize, const K: usize> PieceSet<D, K> {
+    /// Turns a place into the public result: everything but the bound and the multiplicity.
+    #[inline(always)]
+    pub(crate) fn finish(&self, x: &SVector<f64, D>, foot: &CurveFoot) -> CurveFootpoint<D> {
+        let piece = &self.pieces[foot.piece];
+        let jet = self.jet(piece, foot.local);
+        let r = jet.point - (x - piece.centre);
+        let distance = r.norm();
+        let end = usize::from(foot.local > 0.5);
+        let at_end = piece.ends[end] && (foot.local - end as f64).abs() <= 1e-12;
+        let location = match (at_end, piece.closed) {
+            (true, true) => Location::Seam,
+            (true, false) => Location::Edge,
+            _ => Location::Interior,
+        };
+        let (slope, speed) = (jet.d1.dot(&r), jet.d1.norm());
+        let small = slope.abs() <= speed * (ORTHOGONAL * distance).max(1e-11 * self.size);
+        let blocked = (foot.local <= 0.0 && slope > 0.0 && piece.neighbours[0].is_none())
+            || (foot.local >= 1.0 && slope < 0.0 && piece.neighbours[1].is_none());
+        let status = match (small || blocked, location) {
+            (true, Location::Edge) => Status::OnBoundary,
+            (true, _) => Status::Converged,
+            (false, _) if foot.settled => Status::Stalled,
+            (false, _) => Status::MaxIterations,
+        };
+        CurveFootpoint {
+            shape: piece.shape,
+            parameter: piece.interval.lerp(foot.local),
+            point: jet.point + piece.centre,
+            distance,
+            status,
+            location,
+            multiplicity: Multiplicity::Unknown,
+            lower_bound: 0.0,
+            iterations: foot.steps,
+        }
+    }
+
+    /// Whether another point, apart from the footpoint, is as near.
+    pub(crate) fn multiplicity(
+        &self,
+        x: &SVector<f64, D>,
+        foot: &CurveFoot,
+        out: &CurveFootpoint<D>,
+        gap: &Gap,
+        scratch: &mut CurveScratch,
+    ) -> Multiplicity {
+        if out.distance <= gap.absolute {
+            return Multiplicity::Unique;
+        }
+        let piece = &self.pieces[foot.piece];
+        let jet = self.jet(piece, foot.local);
+        let r = jet.point - (x - piece.centre);
+        let speed_sq = jet.d1.norm_squared();
+        let ratio = (speed_sq + jet.d2.dot(&r)) / speed_sq;
+        if out.location != Location::Edge && ratio.abs() <= FLAT {
+            // Walk a little: on a circle about the query the distance stays.
+            let reach = 1e-3 * self.size / speed_sq.sqrt();
+            let continues = [reach, -reach].into_iter().any(|step| {
+                let (index, local) = self.walk(foot.piece, foot.local, step.clamp(-1.0, 1.0));
+                let there = self.descend(x, index, local, 30);
+                let other = &self.pieces[there.piece];
+                let moved = (self.jet(other, there.local).point + other.centre - out.point).norm();
+                gap.is_tie(there.distance_sq, out.distance) && moved > 1e-4 * self.size
+            });
+            if continues {
+                return Multiplicity::Continuum;
+            }
+        }
+        let apart = (SAME_POINT * self.size).max(1e-6 * out.distance);
+        let tied = scratch.ties.drain(..).any(|(index, local)| {
+            let other = self.descend(x, index, local, 30);
+            let piece = &self.pieces[other.piece];
+            let point = self.jet(piece, other.local).point + piece.centre;
+            gap.is_tie(other.distance_sq, out.distance) && (point - out.point).norm() > apart
+        });
+        if tied { Multiplicity::Tied } else { Multiplicity::Unique }
+    }
+}

@@ -1,0 +1,222 @@
+//! Projection onto one or several B-spline curves.
+
+use super::Progress;
+use super::batch::{self, Batch};
+use crate::global::dispatch::vectorized;
+use crate::global::gap::Gap;
+use crate::global::piece::PieceSet;
+use crate::global::search_curve::{CurveFoot, CurveScratch};
+use crate::{CurveFootpoint, Error, Location, Mode, Multiplicity, ProjectionOptions, Status};
+use nalgebra::SVector;
+use nurbs_core::BsplineCurve;
+
+/// Projects points onto one or several B-spline or NURBS curves of `R^D`.
+///
+/// ```
+/// # use nurbs_core::BsplineCurve;
+/// # use nalgebra::Vector2;
+/// use footpoint::CurveProjector;
+///
+/// let arch = vec![Vector2::new(0.0, 0.0), Vector2::new(1.0, 2.0), Vector2::new(2.0, 0.0)];
+/// let projector = CurveProjector::new(&BsplineCurve::bezier(arch, None)?);
+/// let foot = projector.project(&Vector2::new(1.0, 1.25));
+/// assert!((foot.parameter - 0.5).abs() < 1e-9 && (foot.distance - 0.25).abs() < 1e-12);
+/// # Ok::<(), nurbs_core::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct CurveProjector<const D: usize> {
+    set: Sets<D>,
+}
+
+/// The prepared pieces, by the length of the rows that their degree needs.
+#[derive(Clone, Debug)]
+enum Sets<const D: usize> {
+    /// Degree up to 3.
+    One(PieceSet<D, 1>),
+    /// Up to 7.
+    Two(PieceSet<D, 2>),
+    /// Up to 15.
+    Four(PieceSet<D, 4>),
+    /// Up to 25.
+    Seven(PieceSet<D, 7>),
+}
+
+/// Runs `$body` with `$set` bound to the piece set, whatever its rows.
+macro_rules! with_set {
+    ($sets:expr, $set:ident => $body:expr) => {
+        match $sets {
+            Sets::One($set) => $body,
+            Sets::Two($set) => $body,
+            Sets::Four($set) => $body,
+            Sets::Seven($set) => $body,
+        }
+    };
+}
+
+impl<const D: usize> CurveProjector<D> {
+    /// Prepares one curve.
+    #[must_use]
+    pub fn new(curve: &BsplineCurve<D>) -> Self {
+        Self::prepare(&[curve])
+    }
+
+    /// Prepares a model of several curves; the nearest of all is found.
+    ///
+    /// # Errors
+    /// [`Error::EmptyModel`] when there are no curves.
+    pub fn for_model(curves: &[BsplineCurve<D>]) -> Result<Self, Error> {
+        if curves.is_empty() {
+            return Err(Error::EmptyModel);
+        }
+        Ok(Self::prepare(&curves.iter().collect::<Vec<_>>()))
+    }
+
+    fn prepare(curves: &[&BsplineCurve<D>]) -> Self {
+        let degree = curves.iter().map(|c| c.degree()).max().unwrap_or(1);
+        let all = curves.iter().copied();
+        let set = match degree {
+            0..=3 => Sets::One(PieceSet::new(all)),
+            4..=7 => Sets::Two(PieceSet::new(all)),
+            8..=15 => Sets::Four(PieceSet::new(all)),
+            _ => Sets::Seven(PieceSet::new(all)),
+        };
+        Self { set }
+    }
+
+    /// Number of Bézier pieces of the model.
+    #[must_use]
+    pub fn piece_count(&self) -> usize {
+        with_set!(&self.set, set => set.pieces.len())
+    }
+
+    /// Bytes held by the prepared model.
+    #[must_use]
+    pub fn memory(&self) -> usize {
+        with_set!(&self.set, set => set.memory())
+    }
+
+    /// The nearest point of the model, certified, with the default options.
+    ///
+    /// A query that is not finite gets [`Status::InvalidPoint`].
+    #[must_use]
+    pub fn project(&self, x: &SVector<f64, D>) -> CurveFootpoint<D> {
+        self.project_with(x, &ProjectionOptions::default())
+    }
+
+    /// The nearest point of the model.
+    #[must_use]
+    pub fn project_with(&self, x: &SVector<f64, D>, options: &ProjectionOptions) -> CurveFootpoint<D> {
+        with_set!(&self.set, set => batch::single(&CurveQuery::new(set, options), x))
+    }
+
+    /// Follows the distance downhill from a known parameter: a previous answer for a point nearby.
+    #[must_use]
+    pub fn project_from(&self, x: &SVector<f64, D>, shape: usize, parameter: f64) -> CurveFootpoint<D> {
+        with_set!(&self.set, set => vectorized(
+            #[inline(always)]
+            || match set.locate(shape, parameter) {
+                Some((piece, local)) if x.iter().all(|c| c.is_finite()) => {
+                    set.finish(x, &set.descend(x, piece, local, 50))
+                }
+                _ => CurveFootpoint::invalid(),
+            }
+        ))
+    }
+
+    /// Projects many points, in parallel, each with the result of its neighbour as a start.
+    ///
+    /// The results come in the order of the points, with the same bits whatever the number of threads.
+    /// `progress` may cancel: what is left then has [`Status::Cancelled`].
+    #[must_use]
+    pub fn project_many(
+        &self,
+        points: &[SVector<f64, D>],
+        options: &ProjectionOptions,
+        progress: Progress<'_>,
+    ) -> Vec<CurveFootpoint<D>> {
+        with_set!(&self.set, set => batch::run(&CurveQuery::new(set, options), points, progress))
+    }
+
+    /// The parameter of a point that lies on the model.
+    ///
+    /// # Errors
+    /// [`Error::NonFinitePoint`], and [`Error::NotOnShape`] when the model is further away than `tolerance` (a
+    /// length).
+    pub fn invert(&self, x: &SVector<f64, D>, tolerance: f64) -> Result<CurveFootpoint<D>, Error> {
+        let foot = self.project(x);
+        if foot.status == Status::InvalidPoint {
+            return Err(Error::NonFinitePoint { index: 0 });
+        }
+        if foot.distance > tolerance {
+            return Err(Error::NotOnShape { distance: foot.distance, tolerance });
+        }
+        Ok(foot)
+    }
+}
+
+/// One way to answer queries about one set of pieces.
+struct CurveQuery<'a, const D: usize, const K: usize> {
+    set: &'a PieceSet<D, K>,
+    mode: Mode,
+    gap: Gap,
+}
+
+impl<'a, const D: usize, const K: usize> CurveQuery<'a, D, K> {
+    fn new(set: &'a PieceSet<D, K>, options: &ProjectionOptions) -> Self {
+        Self { set, mode: options.mode, gap: Gap::new(options, set.size) }
+    }
+}
+
+impl<const D: usize, const K: usize> Batch<D> for CurveQuery<'_, D, K> {
+    type Scratch = CurveScratch;
+    type Hint = Option<CurveFoot>;
+    type Output = CurveFootpoint<D>;
+
+    fn invalid(&self) -> CurveFootpoint<D> {
+        CurveFootpoint::invalid()
+    }
+
+    fn cancelled(&self) -> CurveFootpoint<D> {
+        CurveFootpoint { status: Status::Cancelled, ..CurveFootpoint::invalid() }
+    }
+
+    #[inline(always)]
+    fn answer(
+        &self,
+        x: &SVector<f64, D>,
+        hint: &mut Option<CurveFoot>,
+        scratch: &mut CurveScratch,
+    ) -> CurveFootpoint<D> {
+        let start = hint.map(|foot| self.set.descend(x, foot.piece, foot.local, 12));
+        if let (Mode::Local, Some(foot)) = (self.mode, start) {
+            *hint = Some(foot);
+            return self.set.finish(x, &foot);
+        }
+        let certify = self.mode == Mode::Certified;
+        let (foot, bound_sq) = self.set.search(x, start, certify, &self.gap, scratch);
+        *hint = Some(foot);
+        let mut out = self.set.finish(x, &foot);
+        if certify {
+            out.lower_bound = bound_sq.sqrt().min(out.distance);
+            out.multiplicity = self.set.multiplicity(x, &foot, &out, &self.gap, scratch);
+        }
+        out
+    }
+}
+
+impl<const D: usize> CurveFootpoint<D> {
+    /// The answer for a point that is not finite.
+    fn invalid() -> Self {
+        Self {
+            shape: 0,
+            parameter: f64::NAN,
+            point: SVector::repeat(f64::NAN),
+            distance: f64::NAN,
+            status: Status::InvalidPoint,
+            location: Location::Interior,
+            multiplicity: Multiplicity::Unknown,
+            lower_bound: 0.0,
+            iterations: 0,
+        }
+    }
+}

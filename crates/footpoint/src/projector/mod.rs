@@ -1,0 +1,23 @@
+//! Projectors: shapes prepared once, for any number of queries.
+
+mod batch;
+mod classify;
+mod classify_curve;
+mod curve;
+mod surface;
+
+pub use curve::CurveProjector;
+pub use surface::SurfaceProjector;
+
+use std::ops::ControlFlow;
+
+/// Told the number of points done and the total; a break cancels what is left.
+pub type Progress<'a> = &'a (dyn Fn(usize, usize) -> ControlFlow<()> + Sync);
+
+/// A progress callback that does nothing.
+///
+/// # Errors
+/// Never breaks.
+pub fn no_progress(_done: usize, _total: usize) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}

@@ -1,0 +1,221 @@
+//! Projection onto one or several B-spline surfaces.
+
+use super::Progress;
+use super::batch::{self, Batch};
+use crate::global::descend::Foot;
+use crate::global::dispatch::vectorized;
+use crate::global::gap::Gap;
+use crate::global::patch::PatchSet;
+use crate::global::scratch::Scratch;
+use crate::{Error, Mode, ProjectionOptions, Status, SurfaceFootpoint};
+use nalgebra::Vector3;
+use nurbs_core::BsplineSurface;
+
+/// Projects points onto one or several B-spline or NURBS surfaces.
+///
+/// Built once per model; then every query finds the nearest point of all surfaces and proves that none is nearer:
+///
+/// ```
+/// # use nurbs_core::{BsplineSurface, KnotVector, Interval};
+/// # use nalgebra::Vector3;
+/// use footpoint::{Location, SurfaceProjector};
+///
+/// let line = KnotVector::bezier(1, Interval::UNIT)?;
+/// let corners = [[0., 0., 0.], [0., 1., 0.], [2., 0., 0.], [2., 1., 0.]].map(Vector3::from).to_vec();
+/// let rectangle = BsplineSurface::new(line.clone(), line, corners, None)?;
+///
+/// let foot = SurfaceProjector::new(&rectangle).project(&Vector3::new(0.5, 0.25, -3.0));
+/// assert_eq!((foot.distance, foot.signed_distance), (3.0, -3.0));
+/// assert_eq!(foot.location, Location::Interior);
+/// assert!(foot.gap() < 1e-6);
+/// # Ok::<(), nurbs_core::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct SurfaceProjector {
+    set: Sets,
+}
+
+/// The prepared patches, by the length of the rows that their degree needs.
+#[derive(Clone, Debug)]
+pub(crate) enum Sets {
+    /// Degree up to 3 in `v`.
+    One(PatchSet<1>),
+    /// Up to 7.
+    Two(PatchSet<2>),
+    /// Up to 15.
+    Four(PatchSet<4>),
+    /// Up to 25.
+    Seven(PatchSet<7>),
+}
+
+/// Runs `$body` with `$set` bound to the patch set, whatever its rows.
+macro_rules! with_set {
+    ($sets:expr, $set:ident => $body:expr) => {
+        match $sets {
+            Sets::One($set) => $body,
+            Sets::Two($set) => $body,
+            Sets::Four($set) => $body,
+            Sets::Seven($set) => $body,
+        }
+    };
+}
+
+impl SurfaceProjector {
+    /// Prepares one surface.
+    #[must_use]
+    pub fn new(surface: &BsplineSurface) -> Self {
+        Self::prepare(&[surface])
+    }
+
+    /// Prepares a model of several surfaces; the nearest of all is found.
+    ///
+    /// # Errors
+    /// [`Error::EmptyModel`] when there are no surfaces.
+    pub fn for_model(surfaces: &[BsplineSurface]) -> Result<Self, Error> {
+        if surfaces.is_empty() {
+            return Err(Error::EmptyModel);
+        }
+        Ok(Self::prepare(&surfaces.iter().collect::<Vec<_>>()))
+    }
+
+    fn prepare(surfaces: &[&BsplineSurface]) -> Self {
+        let degree = surfaces.iter().map(|s| s.degree_v()).max().unwrap_or(1);
+        let all = surfaces.iter().copied();
+        let set = match degree {
+            0..=3 => Sets::One(PatchSet::new(all)),
+            4..=7 => Sets::Two(PatchSet::new(all)),
+            8..=15 => Sets::Four(PatchSet::new(all)),
+            _ => Sets::Seven(PatchSet::new(all)),
+        };
+        Self { set }
+    }
+
+    /// Number of Bézier patches of the model.
+    #[must_use]
+    pub fn patch_count(&self) -> usize {
+        with_set!(&self.set, set => set.patches.len())
+    }
+
+    /// Bytes held by the prepared model.
+    #[must_use]
+    pub fn memory(&self) -> usize {
+        with_set!(&self.set, set => set.memory())
+    }
+
+    /// The nearest point of the model, certified, with the default options.
+    ///
+    /// A query that is not finite gets [`Status::InvalidPoint`].
+    #[must_use]
+    pub fn project(&self, x: &Vector3<f64>) -> SurfaceFootpoint {
+        self.project_with(x, &ProjectionOptions::default())
+    }
+
+    /// The nearest point of the model.
+    #[must_use]
+    pub fn project_with(&self, x: &Vector3<f64>, options: &ProjectionOptions) -> SurfaceFootpoint {
+        with_set!(&self.set, set => {
+            let query = SurfaceQuery::new(set, options);
+            batch::single(&query, x)
+        })
+    }
+
+    /// Follows the distance downhill from a known parameter: a previous answer for a point nearby.
+    ///
+    /// Finds the local minimum that the start leads to, at a fraction of the cost of a search.
+    #[must_use]
+    pub fn project_from(&self, x: &Vector3<f64>, shape: usize, parameter: [f64; 2]) -> SurfaceFootpoint {
+        with_set!(&self.set, set => vectorized(
+            #[inline(always)]
+            || {
+                if !x.iter().all(|c| c.is_finite()) || shape >= set.cells.len() {
+                    return SurfaceFootpoint::invalid();
+                }
+                let (cell, local) = set.cells[shape].locate(parameter);
+                let foot = set.descend(x, set.cells[shape].patch(cell), local, 50);
+                set.finish(x, &foot)
+            }
+        ))
+    }
+
+    /// Projects many points, in parallel, each with the result of its neighbour as a start.
+    ///
+    /// The results come in the order of the points, with the same bits whatever the number of threads.
+    /// `progress` may cancel: what is left then has [`Status::Cancelled`].
+    #[must_use]
+    pub fn project_many(
+        &self,
+        points: &[Vector3<f64>],
+        options: &ProjectionOptions,
+        progress: Progress<'_>,
+    ) -> Vec<SurfaceFootpoint> {
+        with_set!(&self.set, set => batch::run(&SurfaceQuery::new(set, options), points, progress))
+    }
+
+    /// The parameters of a point that lies on the model.
+    ///
+    /// # Errors
+    /// [`Error::NonFinitePoint`], and [`Error::NotOnShape`] when the model is further away than `tolerance` (a
+    /// length).
+    pub fn invert(&self, x: &Vector3<f64>, tolerance: f64) -> Result<SurfaceFootpoint, Error> {
+        let foot = self.project(x);
+        if foot.status == Status::InvalidPoint {
+            return Err(Error::NonFinitePoint { index: 0 });
+        }
+        if foot.distance > tolerance {
+            return Err(Error::NotOnShape { distance: foot.distance, tolerance });
+        }
+        Ok(foot)
+    }
+}
+
+/// One way to answer queries about one patch set.
+struct SurfaceQuery<'a, const K: usize> {
+    set: &'a PatchSet<K>,
+    mode: Mode,
+    gap: Gap,
+}
+
+impl<'a, const K: usize> SurfaceQuery<'a, K> {
+    fn new(set: &'a PatchSet<K>, options: &ProjectionOptions) -> Self {
+        Self { set, mode: options.mode, gap: Gap::new(options, set.size) }
+    }
+}
+
+impl<const K: usize> Batch<3> for SurfaceQuery<'_, K> {
+    type Scratch = Scratch<K>;
+    type Hint = Option<Foot>;
+    type Output = SurfaceFootpoint;
+
+    fn invalid(&self) -> SurfaceFootpoint {
+        SurfaceFootpoint::invalid()
+    }
+
+    fn cancelled(&self) -> SurfaceFootpoint {
+        SurfaceFootpoint { status: Status::Cancelled, ..SurfaceFootpoint::invalid() }
+    }
+
+    #[inline(always)]
+    fn answer(
+        &self,
+        x: &Vector3<f64>,
+        hint: &mut Option<Foot>,
+        scratch: &mut Scratch<K>,
+    ) -> SurfaceFootpoint {
+        let start = hint.map(|foot| self.set.descend(x, foot.patch, foot.local, 12));
+        if self.mode == Mode::Local {
+            if let Some(foot) = start {
+                *hint = Some(foot);
+                return self.set.finish(x, &foot);
+            }
+        }
+        let certify = self.mode == Mode::Certified;
+        let found = self.set.search(x, start, certify, &self.gap, scratch);
+        *hint = Some(found.foot);
+        let mut out = self.set.finish(x, &found.foot);
+        if certify {
+            out.lower_bound = found.bound_sq.sqrt().min(out.distance);
+            out.multiplicity = self.set.multiplicity(x, &found.foot, &out, &self.gap, scratch);
+        }
+        out
+    }
+}
