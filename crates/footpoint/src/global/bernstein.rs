@@ -1,5 +1,6 @@
 //! Polynomials in Bernstein form: products, degree elevation, halving, evaluation [Fa12].
 
+use super::lanes::{Lanes, Row, WIDTH};
 use nurbs_core::MAX_DEGREE;
 
 /// Binomial coefficient as a double (exact for all degrees that occur).
@@ -72,6 +73,43 @@ fn general_basis_jet(n: usize, s: f64, out: &mut [[f64; 3]]) {
     for j in 0..=n {
         out[j][0] = b[j + 2];
     }
+}
+
+/// Values, first and second derivatives of the Bernstein polynomials of degree `n < 8 K` at `s`, as rows that are
+/// filled up with zeros.
+#[inline(always)]
+pub(crate) fn basis_rows<const K: usize>(n: usize, s: f64) -> [Row<K>; 3] {
+    let r = 1.0 - s;
+    let mut values = [[0.0f64; WIDTH]; K];
+    let mut first = values;
+    let mut second = values;
+    {
+        let (b, d1, d2) = (values.as_flattened_mut(), first.as_flattened_mut(), second.as_flattened_mut());
+        b[0] = 1.0;
+        let nf = n as f64;
+        for degree in 0..n {
+            // `b` holds the polynomials of this degree; derivatives are differences of lower degrees.
+            if degree + 2 == n {
+                for i in 0..=degree {
+                    let c = nf * (nf - 1.0) * b[i];
+                    d2[i] += c;
+                    d2[i + 1] -= 2.0 * c;
+                    d2[i + 2] += c;
+                }
+            }
+            if degree + 1 == n {
+                for i in 0..=degree {
+                    d1[i] -= nf * b[i];
+                    d1[i + 1] += nf * b[i];
+                }
+            }
+            for i in (1..degree + 2).rev() {
+                b[i] = r * b[i] + s * b[i - 1];
+            }
+            b[0] *= r;
+        }
+    }
+    [values, first, second].map(|row| row.map(Lanes))
 }
 
 #[cfg(test)]

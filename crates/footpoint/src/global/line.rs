@@ -1,26 +1,25 @@
 //! Lower bounds for polynomials of one variable: pieces of curves, edges of patches.
 
-use super::bernstein::basis_jet;
-use nurbs_core::MAX_DEGREE;
-
-/// Room for the Bernstein coefficients of a squared distance along a curve, filled up to whole rows.
-pub(crate) const LINE: usize = 2 * MAX_DEGREE + 8;
+use super::bernstein::basis_rows;
+use super::lanes::{Lanes, Row, WIDTH, dot};
 
 /// Halvings after which an interval is left as it is.
 const MAX_DEPTH: u32 = 40;
 
 /// Bernstein coefficients on a part of `[0, 1]`.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Segment {
-    pub(crate) coefficients: [f64; LINE],
+pub(crate) struct Segment<const K: usize> {
+    coefficients: [[f64; WIDTH]; K],
     start: f64,
     length: f64,
     depth: u32,
 }
 
-impl Segment {
-    pub(crate) fn unit(coefficients: [f64; LINE]) -> Self {
-        Self { coefficients, start: 0.0, length: 1.0, depth: 0 }
+impl<const K: usize> Segment<K> {
+    /// The whole of `[0, 1]`.
+    #[inline(always)]
+    pub(crate) fn unit(row: &Row<K>) -> Self {
+        Self { coefficients: row.map(|lanes| lanes.0), start: 0.0, length: 1.0, depth: 0 }
     }
 }
 
@@ -39,20 +38,21 @@ pub(crate) enum LineProof {
 ///
 /// Local minima whose value is at most `tie_level` are reported to `tie`. A parameter to which `skip` says yes
 /// has been examined without finding anything better: it is not reported as below again.
-pub(crate) fn prove_line(
-    whole: Segment,
+#[inline(always)]
+pub(crate) fn prove_line<const K: usize>(
+    whole: Segment<K>,
     n: usize,
     noise: f64,
     tie_level: f64,
-    stack: &mut Vec<Segment>,
-    tie: &mut dyn FnMut(f64),
-    skip: &mut dyn FnMut(f64) -> bool,
+    stack: &mut Vec<Segment<K>>,
+    tie: &mut impl FnMut(f64),
+    skip: &mut impl FnMut(f64) -> bool,
 ) -> LineProof {
     stack.clear();
     stack.push(whole);
     let mut unresolved = f64::INFINITY;
     while let Some(segment) = stack.pop() {
-        let c = &segment.coefficients[..=n];
+        let c = &segment.coefficients.as_flattened()[..=n];
         let parameter = |s: f64| segment.start + s * segment.length;
         let (mut argmin, mut min) = (0, f64::INFINITY);
         for (j, &value) in c.iter().enumerate() {
@@ -79,7 +79,13 @@ pub(crate) fn prove_line(
         }
         let curvature = (0..n - 1).map(|j| c[j] - 2.0 * c[j + 1] + c[j + 2]).fold(f64::INFINITY, f64::min);
         if curvature > 0.0 && n >= 2 {
-            let (s, value, bound) = minimize_convex(c, n, curvature * (n * (n - 1)) as f64, guess, noise);
+            let (s, value, bound) = minimize_convex(
+                &segment.coefficients.map(Lanes),
+                n,
+                curvature * (n * (n - 1)) as f64,
+                guess,
+                noise,
+            );
             if value < -noise && !skip(parameter(s)) {
                 return LineProof::Below(parameter(s));
             }
@@ -106,18 +112,19 @@ fn monotone(c: &[f64]) -> bool {
 }
 
 /// Minimum of a convex polynomial with second derivative at least `strength`: place, value, lower bound.
-fn minimize_convex(c: &[f64], n: usize, strength: f64, guess: f64, noise: f64) -> (f64, f64, f64) {
+#[inline(always)]
+fn minimize_convex<const K: usize>(
+    row: &Row<K>,
+    n: usize,
+    strength: f64,
+    guess: f64,
+    noise: f64,
+) -> (f64, f64, f64) {
     let mut s = guess;
     let mut result = (s, f64::INFINITY, f64::NEG_INFINITY);
     for _ in 0..20 {
-        let mut basis = [[0.0; 3]; LINE];
-        basis_jet(n, s, &mut basis);
-        let [mut value, mut slope, mut bend] = [0.0; 3];
-        for (b, c) in basis.iter().zip(c) {
-            value += b[0] * c;
-            slope += b[1] * c;
-            bend += b[2] * c;
-        }
+        let basis = basis_rows::<K>(n, s);
+        let (value, slope, bend) = (dot(row, &basis[0]), dot(row, &basis[1]), dot(row, &basis[2]));
         let blocked = (s <= 0.0 && slope > 0.0) || (s >= 1.0 && slope < 0.0);
         let slope = if blocked { 0.0 } else { slope };
         let bound = value - 0.5 * slope * slope / strength;
@@ -138,19 +145,20 @@ fn minimize_convex(c: &[f64], n: usize, strength: f64, guess: f64, noise: f64) -
     result
 }
 
-fn halve(segment: &Segment, n: usize) -> (Segment, Segment) {
+#[inline(always)]
+fn halve<const K: usize>(segment: &Segment<K>, n: usize) -> (Segment<K>, Segment<K>) {
     let half = 0.5 * segment.length;
     let depth = segment.depth + 1;
     let mut low = Segment { length: half, depth, ..*segment };
     let mut high = Segment { start: segment.start + half, length: half, depth, ..*segment };
-    let b = &mut high.coefficients;
+    let (a, b) = (low.coefficients.as_flattened_mut(), high.coefficients.as_flattened_mut());
     for level in 0..n {
-        low.coefficients[level] = b[0];
+        a[level] = b[0];
         for j in 0..n - level {
             b[j] = 0.5 * (b[j] + b[j + 1]);
         }
     }
-    low.coefficients[n] = b[0];
+    a[n] = b[0];
     (low, high)
 }
 
@@ -159,17 +167,10 @@ mod tests {
     use super::*;
 
     fn prove(c: &[f64]) -> LineProof {
-        let mut coefficients = [0.0; LINE];
-        coefficients[..c.len()].copy_from_slice(c);
-        prove_line(
-            Segment::unit(coefficients),
-            c.len() - 1,
-            1e-14,
-            0.0,
-            &mut Vec::new(),
-            &mut |_| (),
-            &mut |_| false,
-        )
+        let mut row = [0.0; WIDTH];
+        row[..c.len()].copy_from_slice(c);
+        let whole = Segment::unit(&[Lanes(row)]);
+        prove_line(whole, c.len() - 1, 1e-14, 0.0, &mut Vec::new(), &mut |_| (), &mut |_| false)
     }
 
     #[test]

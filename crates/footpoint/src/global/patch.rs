@@ -3,7 +3,9 @@
 use super::bernstein::{basis_jet, binomial, elevation_matrix};
 use super::cells::Cells;
 use super::lanes::{Row, WIDTH, add_scaled, zero_row};
+use super::scratch::Scratch;
 use super::tree::{Bounds, BoxTree};
+use crate::projector::pool::Pool;
 use nalgebra::Vector3;
 use nurbs_core::{BezierPatch, BsplineSurface, Interval, MAX_DEGREE, SurfaceJet};
 
@@ -46,7 +48,7 @@ impl Patch {
 ///
 /// For the local query `y = x − centre` the squared distance, times the squared weight function, is the
 /// polynomial `A − 2 ⟨y, B⟩ + |y|² W` with `A = |wS|²`, `B = w·wS`, `W = w²`: all three are stored in Bernstein
-/// form of degree `2p` in `u` and `8K − 1 ≥ 2q` in `v`.
+/// form of degree `2p < 8K` in `u` and `8K − 1 ≥ 2q` in `v`.
 #[derive(Clone, Debug)]
 pub(crate) struct PatchSet<const K: usize> {
     pub(crate) patches: Vec<Patch>,
@@ -58,6 +60,7 @@ pub(crate) struct PatchSet<const K: usize> {
     pub(crate) halves: [Vec<Row<K>>; 2],
     nets: Vec<Homogeneous>,
     forms: Vec<Row<K>>,
+    pub(crate) scratch: Pool<Scratch<K>>,
 }
 
 impl<const K: usize> PatchSet<K> {
@@ -73,6 +76,7 @@ impl<const K: usize> PatchSet<K> {
             halves: halving_rows(),
             nets: Vec::new(),
             forms: Vec::new(),
+            scratch: Pool::default(),
         };
         let mut boxes: Vec<Bounds<3>> = Vec::new();
         for (shape, surface) in surfaces.enumerate() {

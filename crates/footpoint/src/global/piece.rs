@@ -2,7 +2,9 @@
 
 use super::bernstein::{basis_jet, binomial, elevation_matrix};
 use super::lanes::{Lanes, Row, WIDTH, zero_row};
+use super::search_curve::CurveScratch;
 use super::tree::{Bounds, BoxTree};
+use crate::projector::pool::Pool;
 use nalgebra::SVector;
 use nurbs_core::{BezierCurve, BsplineCurve, CurveJet, Interval, MAX_DEGREE};
 
@@ -41,6 +43,7 @@ pub(crate) struct PieceSet<const D: usize, const K: usize> {
     curves: Vec<(usize, Vec<f64>)>,
     points: Vec<(SVector<f64, D>, f64)>,
     forms: Vec<Row<K>>,
+    pub(crate) scratch: Pool<CurveScratch<K>>,
 }
 
 impl<const D: usize, const K: usize> PieceSet<D, K> {
@@ -55,6 +58,7 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
             curves: Vec::new(),
             points: Vec::new(),
             forms: Vec::new(),
+            scratch: Pool::default(),
         };
         let mut boxes = Vec::new();
         for (shape, curve) in curves.enumerate() {

@@ -10,13 +10,13 @@
 //!   by more than the slope across it can take away. This settles axes and centres, where whole curves of
 //!   points are equally near.
 
-use super::bernstein::basis_jet;
+use super::bernstein::basis_rows;
 use super::descend::Foot;
 use super::gap::Gap;
 use super::lanes::{
     Row, WIDTH, add_scaled, differences, dot, row_max, row_min, second_differences, subtract, widen, zero_row,
 };
-use super::line::{LINE, LineProof, Segment, prove_line};
+use super::line::{LineProof, Segment, prove_line};
 use super::patch::{PatchSet, halve_row};
 use super::scratch::{Region, Scratch};
 use nalgebra::Vector3;
@@ -86,11 +86,20 @@ impl<const K: usize> PatchSet<K> {
             while let Some(region) = scratch.regions.pop() {
                 boxes += 1;
                 let first = scratch.regions.len() * m;
-                let mut rows = [zero_row::<K>(); LINE];
-                rows[..m].copy_from_slice(&scratch.rows[first..first + m]);
-                let rows = &rows[..m];
+                let mut rows = std::mem::take(&mut scratch.current);
+                rows.clear();
+                rows.extend_from_slice(&scratch.rows[first..first + m]);
                 let focus = (best.patch == index).then_some(best.local);
-                match self.judge(rows, &region, focus, &levels, index, scratch) {
+                let verdict = self.judge(&rows, &region, focus, &levels, index, scratch);
+                if let Verdict::Undecided(direction, _) = verdict {
+                    if region.depth < MAX_DEPTH && boxes < gap.max_boxes {
+                        self.push_halves(&rows, &region, direction, first, scratch);
+                        scratch.current = rows;
+                        continue;
+                    }
+                }
+                scratch.current = rows;
+                match verdict {
                     Verdict::Dropped => {}
                     Verdict::Below(place) => {
                         let found = self.descend(x, index, place, 30);
@@ -101,13 +110,7 @@ impl<const K: usize> PatchSet<K> {
                         }
                         // A minimum that is not lower than the known one but for rounding.
                     }
-                    Verdict::Undecided(direction, min) => {
-                        if region.depth >= MAX_DEPTH || boxes >= gap.max_boxes {
-                            unresolved = unresolved.min(min);
-                            continue;
-                        }
-                        self.push_halves(rows, &region, direction, first, scratch);
-                    }
+                    Verdict::Undecided(_, min) => unresolved = unresolved.min(min),
                 }
             }
             return (limit_sq + (unresolved - levels.noise) / patch.min_weight_sq).max(0.0);
@@ -186,25 +189,22 @@ impl<const K: usize> PatchSet<K> {
                 }
                 continue;
             }
-            let mut c = [0.0; LINE];
-            let n = if d == 0 {
-                let row = &rows[end * (rows.len() - 1)];
-                for j in 0..=Self::DEGREE {
-                    c[j] = row[j / WIDTH].0[j % WIDTH];
-                }
-                Self::DEGREE
+            let (edge, n) = if d == 0 {
+                (rows[end * (rows.len() - 1)], Self::DEGREE)
             } else {
+                let mut column = zero_row::<K>();
                 for (i, row) in rows.iter().enumerate() {
-                    c[i] = if end == 0 { row[0].0[0] } else { row[K - 1].0[WIDTH - 1] };
+                    column[i / WIDTH].0[i % WIDTH] =
+                        if end == 0 { row[0].0[0] } else { row[K - 1].0[WIDTH - 1] };
                 }
-                rows.len() - 1
+                (column, rows.len() - 1)
             };
             let place = |s: f64| {
                 let mut at = [s; 2];
                 at[d] = end as f64;
                 region.place(at)
             };
-            let noise = levels.noise * 2.0 * LINE as f64;
+            let noise = levels.noise * 2.0 * (WIDTH * K) as f64;
             let mut ties = [None; 4];
             let mut count = 0;
             let mut note = |s: f64| {
@@ -215,7 +215,7 @@ impl<const K: usize> PatchSet<K> {
             };
             let mut stack = std::mem::take(&mut scratch.segments);
             let proof =
-                prove_line(Segment::unit(c), n, noise, levels.tie, &mut stack, &mut note, &mut |_| false);
+                prove_line(Segment::unit(&edge), n, noise, levels.tie, &mut stack, &mut note, &mut |_| false);
             scratch.segments = stack;
             for s in ties.into_iter().flatten() {
                 scratch.note_tie(index, place(s));
@@ -371,16 +371,14 @@ fn bends<const K: usize>(rows: &[Row<K>]) -> Bends {
 /// Value, gradient and Hessian (`ss`, `st`, `tt`) of `G` at a place of the box.
 #[inline(always)]
 fn evaluate<const K: usize>(rows: &[Row<K>], at: [f64; 2]) -> (f64, [f64; 2], [f64; 3]) {
-    let m = rows.len() - 1;
-    let mut bu = [[0.0; 3]; LINE];
-    basis_jet(m, at[0], &mut bu);
+    let bu = basis_rows::<K>(rows.len() - 1, at[0]);
     let mut sums = [zero_row::<K>(); 3];
-    for (row, b) in rows.iter().zip(&bu) {
+    for (i, row) in rows.iter().enumerate() {
         for d in 0..3 {
-            add_scaled(&mut sums[d], row, b[d]);
+            add_scaled(&mut sums[d], row, bu[d][i / WIDTH].0[i % WIDTH]);
         }
     }
-    let bv = basis_rows::<K>(at[1]);
+    let bv = basis_rows::<K>(WIDTH * K - 1, at[1]);
     (
         dot(&sums[0], &bv[0]),
         [dot(&sums[1], &bv[0]), dot(&sums[0], &bv[1])],
@@ -388,29 +386,14 @@ fn evaluate<const K: usize>(rows: &[Row<K>], at: [f64; 2]) -> (f64, [f64; 2], [f
     )
 }
 
-/// Bernstein polynomials of degree `8 K − 1` and their derivatives as rows.
-#[inline(always)]
-fn basis_rows<const K: usize>(t: f64) -> [Row<K>; 3] {
-    let mut b = [[0.0; 3]; LINE];
-    basis_jet(WIDTH * K - 1, t, &mut b);
-    let mut out = [zero_row::<K>(); 3];
-    for d in 0..3 {
-        for j in 0..WIDTH * K {
-            out[d][j / WIDTH].0[j % WIDTH] = b[j][d];
-        }
-    }
-    out
-}
-
 /// Whether `G ≥ G(s, ·) − G_u(s, ·)² / 2a` keeps the box above zero, `a` being a lower bound of `G_uu`.
 #[inline(always)]
 fn ridge_u<const K: usize>(rows: &[Row<K>], s: f64, a: f64, levels: &Levels) -> bool {
-    let mut b = [[0.0; 3]; LINE];
-    basis_jet(rows.len() - 1, s, &mut b);
+    let b = basis_rows::<K>(rows.len() - 1, s);
     let (mut value, mut slope) = (zero_row::<K>(), zero_row::<K>());
-    for (row, b) in rows.iter().zip(&b) {
-        add_scaled(&mut value, row, b[0]);
-        add_scaled(&mut slope, row, b[1]);
+    for (i, row) in rows.iter().enumerate() {
+        add_scaled(&mut value, row, b[0][i / WIDTH].0[i % WIDTH]);
+        add_scaled(&mut slope, row, b[1][i / WIDTH].0[i % WIDTH]);
     }
     // A slope that points out of the box at its border takes nothing away.
     let (falls, rises) = ((-row_min(&slope)).max(0.0), row_max(&slope).max(0.0));
@@ -427,7 +410,7 @@ fn ridge_u<const K: usize>(rows: &[Row<K>], s: f64, a: f64, levels: &Levels) -> 
 /// As [`ridge_u`], along a line of constant `v`.
 #[inline(always)]
 fn ridge_v<const K: usize>(rows: &[Row<K>], t: f64, b: f64, levels: &Levels) -> bool {
-    let basis = basis_rows::<K>(t);
+    let basis = basis_rows::<K>(WIDTH * K - 1, t);
     let (mut least, mut falls, mut rises) = (f64::INFINITY, 0.0f64, 0.0f64);
     for row in rows {
         least = least.min(dot(row, &basis[0]));

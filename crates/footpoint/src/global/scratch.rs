@@ -52,7 +52,9 @@ pub(crate) struct Scratch<const K: usize> {
     pub(crate) candidates: Vec<(usize, f64)>,
     pub(crate) regions: Vec<Region>,
     pub(crate) rows: Vec<Row<K>>,
-    pub(crate) segments: Vec<Segment>,
+    /// The rows of the box at hand.
+    pub(crate) current: Vec<Row<K>>,
+    pub(crate) segments: Vec<Segment<K>>,
     /// Places that may be as near as the footpoint.
     pub(crate) ties: Vec<(usize, [f64; 2])>,
 }

@@ -2,7 +2,7 @@
 
 use super::gap::Gap;
 use super::lanes::{Row, WIDTH, row_max, row_min};
-use super::line::{LINE, LineProof, Segment, prove_line};
+use super::line::{LineProof, Segment, prove_line};
 use super::piece::PieceSet;
 use super::tree::{Content, Visit};
 use nalgebra::SVector;
@@ -30,10 +30,10 @@ impl CurveFoot {
 
 /// Buffers of one search at a time.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct CurveScratch {
+pub(crate) struct CurveScratch<const K: usize> {
     visits: Vec<Visit>,
     candidates: Vec<(usize, f64)>,
-    segments: Vec<Segment>,
+    segments: Vec<Segment<K>>,
     /// Places that may be as near as the footpoint.
     pub(crate) ties: Vec<(usize, f64)>,
 }
@@ -113,7 +113,7 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
         start: Option<CurveFoot>,
         prove: bool,
         gap: &Gap,
-        scratch: &mut CurveScratch,
+        scratch: &mut CurveScratch<K>,
     ) -> (CurveFoot, f64) {
         let mut best = start.unwrap_or(CurveFoot::NONE);
         let mut limit_sq = gap.limit_sq(best.distance_sq);
@@ -180,7 +180,7 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
         index: usize,
         best: &mut CurveFoot,
         gap: &Gap,
-        scratch: &mut CurveScratch,
+        scratch: &mut CurveScratch<K>,
     ) -> f64 {
         let piece = &self.pieces[index];
         let y = x - piece.centre;
@@ -190,10 +190,6 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
             let scale = row_max(&row).abs().max(row_min(&row).abs());
             let noise = 4.0 * f64::EPSILON * (scale + y.norm_squared() * piece.max_weight_sq);
             let tie = (best.distance_sq * (1.0 + 4.0 * gap.tie) - limit_sq) * piece.max_weight_sq;
-            let mut coefficients = [0.0; LINE];
-            for j in 0..WIDTH * K {
-                coefficients[j] = row[j / WIDTH].0[j % WIDTH];
-            }
             let mut improved = None;
             // Negative values of which nothing comes are rounding errors at the known minimum.
             let mut examine = |s: f64| {
@@ -206,7 +202,7 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
             };
             let ties = &mut scratch.ties;
             let proof = prove_line(
-                Segment::unit(coefficients),
+                Segment::unit(&row),
                 Self::DEGREE,
                 noise,
                 tie,

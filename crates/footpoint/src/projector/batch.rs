@@ -25,10 +25,12 @@ pub(crate) trait Batch<const D: usize>: Sync {
 }
 
 /// One query.
-pub(crate) fn single<const D: usize, B: Batch<D>>(batch: &B, x: &SVector<f64, D>) -> B::Output {
-    let mut scratch = B::Scratch::default();
-    slice(batch, std::slice::from_ref(x), &[0], &mut scratch, &mut |_, out| out)
-        .unwrap_or_else(|| batch.invalid())
+pub(crate) fn single<const D: usize, B: Batch<D>>(
+    batch: &B,
+    x: &SVector<f64, D>,
+    scratch: &mut B::Scratch,
+) -> B::Output {
+    slice(batch, std::slice::from_ref(x), &[0], scratch, &mut |_, out| out).unwrap_or_else(|| batch.invalid())
 }
 
 /// Answers the points of one chunk in order; each starts from the answer before it. Returns the last answer.

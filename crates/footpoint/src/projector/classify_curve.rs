@@ -52,7 +52,7 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
         foot: &CurveFoot,
         out: &CurveFootpoint<D>,
         gap: &Gap,
-        scratch: &mut CurveScratch,
+        scratch: &mut CurveScratch<K>,
     ) -> Multiplicity {
         if out.distance <= gap.absolute {
             return Multiplicity::Unique;

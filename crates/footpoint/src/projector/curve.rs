@@ -106,7 +106,10 @@ impl<const D: usize> CurveProjector<D> {
     /// The nearest point of the model.
     #[must_use]
     pub fn project_with(&self, x: &SVector<f64, D>, options: &ProjectionOptions) -> CurveFootpoint<D> {
-        with_set!(&self.set, set => batch::single(&CurveQuery::new(set, options), x))
+        with_set!(&self.set, set => {
+            let query = CurveQuery::new(set, options);
+            set.scratch.with(|scratch| batch::single(&query, x, scratch))
+        })
     }
 
     /// Follows the distance downhill from a known parameter: a previous answer for a point nearby.
@@ -168,7 +171,7 @@ impl<'a, const D: usize, const K: usize> CurveQuery<'a, D, K> {
 }
 
 impl<const D: usize, const K: usize> Batch<D> for CurveQuery<'_, D, K> {
-    type Scratch = CurveScratch;
+    type Scratch = CurveScratch<K>;
     type Hint = Option<CurveFoot>;
     type Output = CurveFootpoint<D>;
 
@@ -185,7 +188,7 @@ impl<const D: usize, const K: usize> Batch<D> for CurveQuery<'_, D, K> {
         &self,
         x: &SVector<f64, D>,
         hint: &mut Option<CurveFoot>,
-        scratch: &mut CurveScratch,
+        scratch: &mut CurveScratch<K>,
     ) -> CurveFootpoint<D> {
         let start = hint.map(|foot| self.set.descend(x, foot.piece, foot.local, 12));
         if let (Mode::Local, Some(foot)) = (self.mode, start) {

@@ -4,6 +4,7 @@ mod batch;
 mod classify;
 mod classify_curve;
 mod curve;
+pub(crate) mod pool;
 mod surface;
 
 pub use curve::CurveProjector;

@@ -38,7 +38,7 @@ pub struct SurfaceProjector {
 /// The prepared patches, by the length of the rows that their degree needs.
 #[derive(Clone, Debug)]
 pub(crate) enum Sets {
-    /// Degree up to 3 in `v`.
+    /// Degrees up to 3.
     One(PatchSet<1>),
     /// Up to 7.
     Two(PatchSet<2>),
@@ -79,7 +79,7 @@ impl SurfaceProjector {
     }
 
     fn prepare(surfaces: &[&BsplineSurface]) -> Self {
-        let degree = surfaces.iter().map(|s| s.degree_v()).max().unwrap_or(1);
+        let degree = surfaces.iter().map(|s| s.degree_u().max(s.degree_v())).max().unwrap_or(1);
         let all = surfaces.iter().copied();
         let set = match degree {
             0..=3 => Sets::One(PatchSet::new(all)),
@@ -115,7 +115,7 @@ impl SurfaceProjector {
     pub fn project_with(&self, x: &Vector3<f64>, options: &ProjectionOptions) -> SurfaceFootpoint {
         with_set!(&self.set, set => {
             let query = SurfaceQuery::new(set, options);
-            batch::single(&query, x)
+            query.set.scratch.with(|scratch| batch::single(&query, x, scratch))
         })
     }
 
