@@ -3,9 +3,13 @@
 use super::patch::PatchSet;
 use nalgebra::Vector3;
 
-/// A local step shorter than this, in units of the patch, is the last one: the convergence is quadratic,
+/// A local step shorter than this, in units of the patch, may be the last one: the convergence is quadratic,
 /// so that what remains is of the order of its square.
 const LAST_STEP: f64 = 1e-7;
+
+/// Next to a pole parameters tell little. The last step must also be short against the distance, or against the
+/// size of the model.
+const LAST_SHARE: [f64; 2] = [1e-4, 1e-10];
 
 /// A place on the model and its distance from the query.
 #[derive(Clone, Copy, Debug)]
@@ -174,14 +178,17 @@ impl<const K: usize> PatchSet<K> {
                 step = [step[0] * 1.5 / largest, step[1] * 1.5 / largest];
             }
             let (next, target) = self.walk(index, at, step);
-            if largest < LAST_STEP || steps >= max_steps || (next == index && target == at) {
+            let length_sq = step[0] * step[0] * model.metric[0] + step[1] * step[1] * model.metric[2];
+            let short = LAST_SHARE[0] * LAST_SHARE[0] * distance_sq;
+            let last = largest < LAST_STEP && length_sq <= short.max((LAST_SHARE[1] * self.size).powi(2));
+            if last || steps >= max_steps || (next == index && target == at) {
                 let distance_sq = self.distance_sq(x, next, target);
                 if distance_sq <= best.distance_sq {
                     best.patch = next;
                     best.local = target;
                     best.distance_sq = distance_sq;
                 }
-                best.settled = largest < LAST_STEP || (next == index && target == at);
+                best.settled = last || (next == index && target == at);
                 break;
             }
             taken = step;

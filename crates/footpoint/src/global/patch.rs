@@ -1,8 +1,8 @@
 //! Bézier patches of one or several surfaces, prepared for the search.
 
-use super::bernstein::{basis_jet, binomial, elevation_matrix};
+use super::bernstein::{basis_jet, binomial};
 use super::cells::Cells;
-use super::lanes::{Row, WIDTH, add_scaled, zero_row};
+use super::lanes::{Lanes, Row, WIDTH, add_scaled, zero_row};
 use super::scratch::Scratch;
 use super::tree::{Bounds, BoxTree};
 use crate::projector::pool::Pool;
@@ -122,37 +122,43 @@ impl<const K: usize> PatchSet<K> {
     }
 
     /// Appends the rows of `A`, `B` (three coordinates) and, if rational, `W`.
-    fn push_form(&mut self, net: &[Homogeneous], [p, q]: [usize; 2], rational: bool) {
-        let columns = 2 * q + 1;
-        // Products of Bernstein polynomials are convolutions of the coefficients times binomials.
-        let scaled: Vec<Homogeneous> = (0..net.len())
-            .map(|k| net[k].map(|c| c * binomial(p, k / (q + 1)) * binomial(q, k % (q + 1))))
-            .collect();
-        let mut product = vec![[0.0; 5]; (2 * p + 1) * columns];
-        for (k, a) in scaled.iter().enumerate() {
-            for (l, b) in scaled.iter().enumerate() {
-                let slot = &mut product[(k / (q + 1) + l / (q + 1)) * columns + k % (q + 1) + l % (q + 1)];
-                slot[0] += a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-                slot[1] += a[3] * b[0];
-                slot[2] += a[3] * b[1];
-                slot[3] += a[3] * b[2];
-                slot[4] += a[3] * b[3];
+    fn push_form(&mut self, net: &[Homogeneous], degrees: [usize; 2], rational: bool) {
+        let product = product(net, degrees, |a, b| {
+            [a[0] * b[0] + a[1] * b[1] + a[2] * b[2], a[3] * b[0], a[3] * b[1], a[3] * b[2], a[3] * b[3]]
+        });
+        for part in 0..if rational { 5 } else { 4 } {
+            for row in product.chunks(2 * degrees[1] + 1) {
+                self.forms.push(elevate_row(row.iter().map(|c| c[part])));
             }
         }
-        let raise = elevation_matrix(2 * q, Self::DEGREE);
-        for part in 0..if rational { 5 } else { 4 } {
-            for i in 0..=2 * p {
-                let mut row = zero_row::<K>();
-                for (l, shares) in raise.iter().enumerate() {
-                    let mut value = 0.0;
-                    for j in 0..columns {
-                        value += shares[j] * product[i * columns + j][part]
-                            / (binomial(2 * p, i) * binomial(2 * q, j));
-                    }
-                    row[l / WIDTH].0[l % WIDTH] = value;
-                }
-                self.forms.push(row);
-            }
+    }
+
+    /// As [`form`](Self::form), on a box of the patch and with differences taken before products, so that the
+    /// rounding errors are small against the coefficients however small these are.
+    pub(crate) fn fine_form(
+        &self,
+        patch: &Patch,
+        y: &Vector3<f64>,
+        region: &super::scratch::Region,
+        limit_sq: f64,
+        out: &mut [Row<K>],
+    ) {
+        let [p, q] = patch.degrees;
+        let mut net: Vec<Homogeneous> = self.nets[patch.net..patch.net + (p + 1) * (q + 1)]
+            .iter()
+            .map(|c| [c[0] - c[3] * y.x, c[1] - c[3] * y.y, c[2] - c[3] * y.z, c[3]])
+            .collect();
+        for j in 0..=q {
+            restrict(&mut net, j, q + 1, p, region.low[0], region.high[0]);
+        }
+        for i in 0..=p {
+            restrict(&mut net, i * (q + 1), 1, q, region.low[1], region.high[1]);
+        }
+        let product = product(&net, patch.degrees, |a, b| {
+            [a[0] * b[0] + a[1] * b[1] + a[2] * b[2] - limit_sq * (a[3] * b[3])]
+        });
+        for (row, out) in product.chunks(2 * q + 1).zip(out) {
+            *out = elevate_row(row.iter().map(|c| c[0]));
         }
     }
 
@@ -176,7 +182,7 @@ impl<const K: usize> PatchSet<K> {
                 if patch.rational {
                     value = value + w[i][k] * constant;
                 } else {
-                    value = value + super::lanes::Lanes::splat(constant);
+                    value = value + Lanes::splat(constant);
                 }
                 out[i][k] = value;
             }
@@ -240,6 +246,79 @@ impl<const K: usize> PatchSet<K> {
             + size_of_val(&self.forms[..])
             + size_of_val(&self.patches[..])
             + self.tree.memory()
+    }
+}
+
+/// Bernstein coefficients of products of a net with itself, row-major in degrees `(2p, 2q)`.
+fn product<const N: usize>(
+    net: &[Homogeneous],
+    [p, q]: [usize; 2],
+    multiply: impl Fn(&Homogeneous, &Homogeneous) -> [f64; N],
+) -> Vec<[f64; N]> {
+    let columns = 2 * q + 1;
+    let mut out = vec![[0.0; N]; (2 * p + 1) * columns];
+    // Products of Bernstein polynomials are convolutions of the coefficients, up to binomials.
+    let share = |n: usize, i: usize, j: usize| binomial(n, i) * binomial(n, j) / binomial(2 * n, i + j);
+    let shares_v: Vec<f64> = (0..(q + 1) * (q + 1)).map(|k| share(q, k / (q + 1), k % (q + 1))).collect();
+    for i in 0..=p {
+        for k in 0..=p {
+            let share_u = share(p, i, k);
+            for j in 0..=q {
+                for l in 0..=q {
+                    let factor = share_u * shares_v[j * (q + 1) + l];
+                    let value = multiply(&net[i * (q + 1) + j], &net[k * (q + 1) + l]);
+                    let slot = &mut out[(i + k) * columns + j + l];
+                    for c in 0..N {
+                        slot[c] += factor * value[c];
+                    }
+                }
+            }
+        }
+    }
+    out
+}
+
+/// Coefficients raised to the degree of a row, one degree at a time.
+fn elevate_row<const K: usize>(coefficients: impl ExactSizeIterator<Item = f64>) -> Row<K> {
+    let mut degree = coefficients.len() - 1;
+    let mut flat = [[0.0; WIDTH]; K];
+    let b = flat.as_flattened_mut();
+    for (slot, value) in b.iter_mut().zip(coefficients) {
+        *slot = value;
+    }
+    while degree < WIDTH * K - 1 {
+        degree += 1;
+        b[degree] = b[degree - 1];
+        for j in (1..degree).rev() {
+            let share = j as f64 / degree as f64;
+            b[j] = share * b[j - 1] + (1.0 - share) * b[j];
+        }
+    }
+    flat.map(Lanes)
+}
+
+/// Bézier points `net[first + k · stride]`, `k = 0..=n`, restricted to the parameters from `low` to `high`.
+fn restrict(net: &mut [Homogeneous], first: usize, stride: usize, n: usize, low: f64, high: f64) {
+    let mut blend = |a: usize, b: usize, to: usize, s: f64| {
+        for c in 0..4 {
+            net[to][c] = (1.0 - s) * net[a][c] + s * net[b][c];
+        }
+    };
+    let at = |k: usize| first + k * stride;
+    if high < 1.0 {
+        for level in 1..=n {
+            for k in (level..=n).rev() {
+                blend(at(k - 1), at(k), at(k), high);
+            }
+        }
+    }
+    if low > 0.0 {
+        let s = low / high;
+        for level in 1..=n {
+            for k in 0..=n - level {
+                blend(at(k), at(k + 1), at(k), s);
+            }
+        }
     }
 }
 

@@ -17,7 +17,7 @@ use super::lanes::{
     Row, WIDTH, add_scaled, differences, dot, row_max, row_min, second_differences, subtract, widen, zero_row,
 };
 use super::line::{LineProof, Segment, prove_line};
-use super::patch::{PatchSet, halve_row};
+use super::patch::{Patch, PatchSet, halve_row};
 use super::scratch::{Region, Scratch};
 use nalgebra::Vector3;
 
@@ -36,9 +36,14 @@ enum Verdict {
     Undecided(usize, f64),
 }
 
-/// Thresholds of one query on one patch.
+/// Thresholds of one query on one box.
 struct Levels {
+    /// Size of the rounding errors.
     noise: f64,
+    /// What coefficients must reach for the box to be dropped: `−noise`, but `+noise` where so close to the model
+    /// that the rounding errors of the whole patch would hide the answer.
+    floor: f64,
+    /// Values up to this may be ties.
     tie: f64,
 }
 
@@ -75,45 +80,76 @@ impl<const K: usize> PatchSet<K> {
             self.form(patch, &y, limit_sq, &mut scratch.rows[..m]);
             scratch.regions.push(Region::UNIT);
             // Rounding errors are a share of the terms that cancel, not of the small result.
-            let scale =
-                scratch.rows[..m].iter().map(|r| row_max(r).abs().max(row_min(r).abs())).fold(0.0, f64::max);
-            let excess = best.distance_sq * (1.0 + 4.0 * gap.tie) - limit_sq;
-            let levels = Levels {
-                noise: 4.0 * f64::EPSILON * (scale + y.norm_squared() * patch.max_weight_sq),
-                tie: excess * patch.max_weight_sq,
-            };
-            let mut unresolved = 0.0f64;
+            let scale = largest(&scratch.rows[..m]) + y.norm_squared() * patch.max_weight_sq;
+            let noise = 4.0 * f64::EPSILON * scale;
+            let tie = (best.distance_sq * (1.0 + 4.0 * gap.tie) - limit_sq) * patch.max_weight_sq;
+            let close = noise > 0.25 * (best.distance_sq - limit_sq) * patch.min_weight_sq;
+            let mut unresolved = if close { 0.0 } else { -noise };
             while let Some(region) = scratch.regions.pop() {
                 boxes += 1;
                 let first = scratch.regions.len() * m;
                 let mut rows = std::mem::take(&mut scratch.current);
                 rows.clear();
-                rows.extend_from_slice(&scratch.rows[first..first + m]);
+                let levels = if region.fine {
+                    rows.resize(m, zero_row());
+                    self.fine_form(patch, &y, &region, limit_sq, &mut rows);
+                    let noise = 16.0 * f64::EPSILON * largest(&rows);
+                    unresolved = unresolved.min(-noise);
+                    Levels { noise, floor: -noise, tie }
+                } else {
+                    rows.extend_from_slice(&scratch.rows[first..first + m]);
+                    Levels { noise, floor: if close { noise } else { -noise }, tie }
+                };
                 let focus = (best.patch == index).then_some(best.local);
-                let verdict = self.judge(&rows, &region, focus, &levels, index, scratch);
-                if let Verdict::Undecided(direction, _) = verdict {
-                    if region.depth < MAX_DEPTH && boxes < gap.max_boxes {
-                        self.push_halves(&rows, &region, direction, first, scratch);
-                        scratch.current = rows;
-                        continue;
-                    }
-                }
-                scratch.current = rows;
-                match verdict {
+                match self.judge(&rows, &region, focus, &levels, index, scratch) {
                     Verdict::Dropped => {}
                     Verdict::Below(place) => {
                         let found = self.descend(x, index, place, 30);
                         best.steps += found.steps;
                         if found.distance_sq < best.distance_sq * (1.0 - IMPROVEMENT) {
                             *best = Foot { steps: best.steps, ..found };
+                            scratch.current = rows;
                             continue 'restart;
                         }
                         // A minimum that is not lower than the known one but for rounding.
                     }
-                    Verdict::Undecided(_, min) => unresolved = unresolved.min(min),
+                    Verdict::Undecided(_, min) if region.depth >= MAX_DEPTH || boxes >= gap.max_boxes => {
+                        unresolved = unresolved.min(min);
+                    }
+                    Verdict::Undecided(direction, _) => {
+                        scratch.rows.resize(first + 2 * m, zero_row());
+                        if close {
+                            let at = self.split_place(&region, direction, best, index, patch);
+                            let halves = region.split(direction, at);
+                            scratch.regions.extend(halves.map(|half| Region { fine: true, ..half }));
+                        } else {
+                            self.halve(&rows, direction, &mut scratch.rows[first..]);
+                            scratch.regions.extend(region.split(direction, 0.5));
+                        }
+                    }
                 }
+                scratch.current = rows;
             }
-            return (limit_sq + (unresolved - levels.noise) / patch.min_weight_sq).max(0.0);
+            return (limit_sq + unresolved / patch.min_weight_sq).max(0.0);
+        }
+    }
+
+    /// Where to split a box close to the model: in the middle, unless all that matters happens near one side.
+    fn split_place(&self, region: &Region, d: usize, best: &Foot, index: usize, patch: &Patch) -> f64 {
+        if best.patch != index {
+            return 0.5;
+        }
+        let at = region.local(best.local)[d];
+        let jet = self.jet(patch, best.local[0], best.local[1]);
+        let speed = if d == 0 { jet.du } else { jet.dv }.norm() * (region.high[d] - region.low[d]);
+        let reach = best.distance_sq.sqrt() / speed.max(f64::MIN_POSITIVE);
+        let (below, above) = (4.0 * at.max(reach), 4.0 * (1.0 - at).max(reach));
+        if below < 0.5 {
+            below
+        } else if above < 0.5 {
+            1.0 - above
+        } else {
+            0.5
         }
     }
 
@@ -132,7 +168,7 @@ impl<const K: usize> PatchSet<K> {
             widen(&mut low, &mut high, row);
         }
         let min = row_min(&low);
-        if min >= -levels.noise {
+        if min >= levels.floor {
             if min <= levels.tie {
                 scratch.note_tie(index, region.place(argmin(rows)));
             }
@@ -144,7 +180,11 @@ impl<const K: usize> PatchSet<K> {
         }
         let m = rows.len() as f64 - 1.0;
         let n = Self::DEGREE as f64;
-        let (a, b, c) = (m * (m - 1.0) * bends.duu, n * (n - 1.0) * bends.dvv, m * n * bends.duv);
+        // Differences of second order hold up to four rounding errors.
+        let slack = 4.0 * levels.noise;
+        let a = m * (m - 1.0) * (bends.duu - slack);
+        let b = n * (n - 1.0) * (bends.dvv - slack);
+        let c = m * n * (bends.duv + slack);
         let inside = focus.map(|f| region.local(f));
         if a > 0.0 && b > 0.0 && a * b > c * c {
             let strength = 0.5 * (a + b) - (0.25 * (a - b) * (a - b) + c * c).sqrt();
@@ -176,8 +216,8 @@ impl<const K: usize> PatchSet<K> {
         scratch: &mut Scratch<K>,
     ) -> Option<Verdict> {
         for (d, range) in [bends.du, bends.dv].into_iter().enumerate() {
-            let rising = range[0] >= -levels.noise;
-            let falling = range[1] <= levels.noise;
+            let rising = range[0] >= levels.floor;
+            let falling = range[1] <= -levels.floor;
             if !rising && !falling {
                 continue;
             }
@@ -204,7 +244,8 @@ impl<const K: usize> PatchSet<K> {
                 at[d] = end as f64;
                 region.place(at)
             };
-            let noise = levels.noise * 2.0 * (WIDTH * K) as f64;
+            // The minimum on the edge may be missed by what a slope of the size of the noise adds up to.
+            let noise = if levels.floor < 0.0 { levels.noise * 2.0 * (WIDTH * K) as f64 } else { 0.0 };
             let mut ties = [None; 4];
             let mut count = 0;
             let mut note = |s: f64| {
@@ -284,20 +325,13 @@ impl<const K: usize> PatchSet<K> {
         Verdict::Undecided(sag_direction(rows), -0.0)
     }
 
+    /// The rows of both halves of a box, one after the other.
     #[inline(always)]
-    fn push_halves(
-        &self,
-        rows: &[Row<K>],
-        region: &Region,
-        direction: usize,
-        first: usize,
-        scratch: &mut Scratch<K>,
-    ) {
+    fn halve(&self, rows: &[Row<K>], direction: usize, out: &mut [Row<K>]) {
         let m = rows.len();
-        scratch.rows.resize(first + 2 * m, zero_row());
+        let (low, high) = out.split_at_mut(m);
         if direction == 0 {
-            // De Casteljau's scheme on whole rows: lower half in place, upper half behind it.
-            let (low, high) = scratch.rows[first..first + 2 * m].split_at_mut(m);
+            // De Casteljau's scheme on whole rows.
             high.copy_from_slice(rows);
             for level in 0..m {
                 low[level] = high[0];
@@ -309,15 +343,21 @@ impl<const K: usize> PatchSet<K> {
             }
         } else {
             for (i, row) in rows.iter().enumerate() {
-                for half in 0..2 {
-                    scratch.rows[first + half * m + i] = halve_row(row, &self.halves[half]);
-                }
+                low[i] = halve_row(row, &self.halves[0]);
+                high[i] = halve_row(row, &self.halves[1]);
             }
         }
-        let [low, high] = region.halves(direction);
-        scratch.regions.push(low);
-        scratch.regions.push(high);
     }
+}
+
+/// Largest absolute value of the coefficients.
+#[inline(always)]
+fn largest<const K: usize>(rows: &[Row<K>]) -> f64 {
+    let (mut low, mut high) = (rows[0], rows[0]);
+    for row in &rows[1..] {
+        widen(&mut low, &mut high, row);
+    }
+    row_max(&high).abs().max(row_min(&low).abs())
 }
 
 /// Place of the smallest coefficient, in box parameters.
@@ -404,7 +444,7 @@ fn ridge_u<const K: usize>(rows: &[Row<K>], s: f64, a: f64, levels: &Levels) -> 
     } else {
         falls.max(rises)
     };
-    row_min(&value) - 0.5 * steepest * steepest / a >= -levels.noise
+    row_min(&value) - 0.5 * steepest * steepest / a >= levels.floor
 }
 
 /// As [`ridge_u`], along a line of constant `v`.
@@ -425,7 +465,7 @@ fn ridge_v<const K: usize>(rows: &[Row<K>], t: f64, b: f64, levels: &Levels) -> 
     } else {
         falls.max(rises)
     };
-    least - 0.5 * steepest * steepest / b >= -levels.noise
+    least - 0.5 * steepest * steepest / b >= levels.floor
 }
 
 /// The direction in which the control net sags most at its lowest coefficient.

@@ -7,49 +7,63 @@ use super::tree::Visit;
 /// A box of the local parameter square of a patch.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Region {
-    start: [f64; 2],
-    length: [f64; 2],
+    pub(crate) low: [f64; 2],
+    pub(crate) high: [f64; 2],
     pub(crate) depth: u32,
+    /// Whether its rows are computed from the control net, relative to the query, and not from its parent's.
+    pub(crate) fine: bool,
 }
 
 impl Region {
-    pub(crate) const UNIT: Self = Self { start: [0.0; 2], length: [1.0; 2], depth: 0 };
+    pub(crate) const UNIT: Self = Self { low: [0.0; 2], high: [1.0; 2], depth: 0, fine: false };
 
     /// Parameters of the patch at box parameters.
     #[inline(always)]
     pub(crate) fn place(&self, at: [f64; 2]) -> [f64; 2] {
-        [0, 1].map(|d| (self.start[d] + at[d] * self.length[d]).min(1.0))
+        [0, 1].map(|d| ((1.0 - at[d]) * self.low[d] + at[d] * self.high[d]).min(1.0))
     }
 
     /// The box parameters nearest to a place of the patch.
     #[inline(always)]
     pub(crate) fn local(&self, place: [f64; 2]) -> [f64; 2] {
-        [0, 1].map(|d| ((place[d] - self.start[d]) / self.length[d]).max(0.0).min(1.0))
+        [0, 1].map(|d| ((place[d] - self.low[d]) / (self.high[d] - self.low[d])).max(0.0).min(1.0))
     }
 
     /// Whether the lower or upper side in direction `d` is a side of the patch.
     #[inline(always)]
     pub(crate) fn at_border(&self, d: usize, end: usize) -> bool {
-        // Halving is exact in binary arithmetic.
-        if end == 0 { self.start[d] == 0.0 } else { self.start[d] + self.length[d] == 1.0 }
+        if end == 0 { self.low[d] == 0.0 } else { self.high[d] == 1.0 }
     }
 
+    /// The two parts below and above the box parameter `at` in direction `d`.
     #[inline(always)]
-    pub(crate) fn halves(&self, d: usize) -> [Self; 2] {
+    pub(crate) fn split(&self, d: usize, at: f64) -> [Self; 2] {
         let mut low = Self { depth: self.depth + 1, ..*self };
-        low.length[d] *= 0.5;
         let mut high = low;
-        high.start[d] += low.length[d];
+        let middle = low.low[d] + at * (low.high[d] - low.low[d]);
+        low.high[d] = middle;
+        high.low[d] = middle;
         [low, high]
     }
+}
+
+/// A patch that may hold a nearer point.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Candidate {
+    pub(crate) patch: usize,
+    /// Squared distance of its box.
+    pub(crate) box_sq: f64,
+    /// The most likely place of such a point, and its squared distance.
+    pub(crate) place: [f64; 2],
+    pub(crate) sample_sq: f64,
 }
 
 /// Buffers of one search at a time.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Scratch<const K: usize> {
     pub(crate) visits: Vec<Visit>,
-    /// Patches that may hold a nearer point, with the squared distance of their boxes.
-    pub(crate) candidates: Vec<(usize, f64)>,
+    /// Patches that may hold a nearer point.
+    pub(crate) candidates: Vec<Candidate>,
     pub(crate) regions: Vec<Region>,
     pub(crate) rows: Vec<Row<K>>,
     /// The rows of the box at hand.

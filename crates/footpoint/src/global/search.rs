@@ -5,12 +5,15 @@ use super::gap::Gap;
 use super::lanes::{row_max, row_min, zero_row};
 use super::patch::PatchSet;
 use super::prove::argmin;
-use super::scratch::Scratch;
+use super::scratch::{Candidate, Scratch};
 use super::tree::{Content, Visit};
 use nalgebra::Vector3;
 
 /// Limit of the local iterations that start inside a search.
 const MAX_STEPS: u32 = 40;
+
+/// Further local iterations when there is no proof.
+const SECOND_SEEDS: usize = 2;
 
 /// Footpoint and what is proven about it.
 #[derive(Clone, Copy, Debug)]
@@ -49,20 +52,23 @@ impl<const K: usize> PatchSet<K> {
                 }
                 Content::Item(index) => index,
             };
+            let mut candidate = Candidate {
+                patch: index,
+                box_sq: visit.distance_sq,
+                place: best.local,
+                sample_sq: best.distance_sq,
+            };
             if index == best.patch && best.settled {
-                scratch.candidates.push((index, visit.distance_sq));
+                scratch.candidates.push(candidate);
                 continue;
             }
             if let Some(place) = self.promising(x, index, limit_sq, scratch) {
-                scratch.candidates.push((index, visit.distance_sq));
-                if self.distance_sq(x, index, place) < best.distance_sq {
-                    let found = self.descend(x, index, place, MAX_STEPS);
-                    let steps = best.steps + found.steps;
-                    if found.distance_sq < best.distance_sq {
-                        best = found;
-                        limit_sq = gap.limit_sq(best.distance_sq);
-                    }
-                    best.steps = steps;
+                candidate.place = place;
+                candidate.sample_sq = self.distance_sq(x, index, place);
+                scratch.candidates.push(candidate);
+                if candidate.sample_sq < best.distance_sq {
+                    self.improve(x, &candidate, &mut best);
+                    limit_sq = gap.limit_sq(best.distance_sq);
                 }
             }
             if limit_sq == 0.0 {
@@ -71,18 +77,46 @@ impl<const K: usize> PatchSet<K> {
             }
         }
         if !prove {
+            self.second_seeds(x, &mut best, scratch);
             return Found { foot: best, bound_sq: 0.0 };
         }
         let mut bound_sq = limit_sq;
         let mut next = 0;
         while next < scratch.candidates.len() {
-            let (index, box_sq) = scratch.candidates[next];
+            let candidate = scratch.candidates[next];
             next += 1;
-            if box_sq < gap.limit_sq(best.distance_sq) {
-                bound_sq = bound_sq.min(self.prove(x, index, &mut best, gap, scratch));
+            if candidate.box_sq < gap.limit_sq(best.distance_sq) {
+                bound_sq = bound_sq.min(self.prove(x, candidate.patch, &mut best, gap, scratch));
             }
         }
         Found { foot: best, bound_sq: bound_sq.min(gap.limit_sq(best.distance_sq)) }
+    }
+
+    /// Follows the distance downhill from a candidate.
+    #[inline(always)]
+    fn improve(&self, x: &Vector3<f64>, candidate: &Candidate, best: &mut Foot) {
+        let found = self.descend(x, candidate.patch, candidate.place, MAX_STEPS);
+        let steps = best.steps + found.steps;
+        if found.distance_sq < best.distance_sq {
+            *best = found;
+        }
+        best.steps = steps;
+    }
+
+    /// Without a proof, the best samples that did not seem worth an iteration get one after all.
+    #[inline(always)]
+    fn second_seeds(&self, x: &Vector3<f64>, best: &mut Foot, scratch: &mut Scratch<K>) {
+        scratch.candidates.retain(|c| c.patch != best.patch && c.sample_sq > best.distance_sq);
+        for _ in 0..SECOND_SEEDS.min(scratch.candidates.len()) {
+            let nearest =
+                scratch.candidates.iter().enumerate().min_by(|a, b| a.1.sample_sq.total_cmp(&b.1.sample_sq));
+            if let Some(index) = nearest.map(|(index, _)| index) {
+                let candidate = scratch.candidates.swap_remove(index);
+                if candidate.box_sq < best.distance_sq {
+                    self.improve(x, &candidate, best);
+                }
+            }
+        }
     }
 
     /// The most likely place of a point of the patch nearer than the limit, or `None` if there cannot be one.
