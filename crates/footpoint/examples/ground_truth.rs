@@ -113,7 +113,7 @@ fn run<const D: usize>(
         let points: Vec<SVector<f64, D>> =
             rows(&queries)?.iter().map(|row| SVector::from_iterator(row.iter().copied())).collect();
         let truths = rows(&queries.with_extension("gt"))?;
-        let (mut wrong, mut fast_wrong, mut gap, mut slowest) = (0, 0, 0.0f64, (0.0f64, 0));
+        let (mut wrong, mut fast_wrong, mut gap, mut slowest) = (0, 0, (0.0f64, 0), (0.0f64, 0));
         let mut seconds = [0.0, 0.0];
         for (m, mode) in [Mode::Certified, Mode::Fast].into_iter().enumerate() {
             // A first round warms the caches; the second one is timed.
@@ -131,7 +131,10 @@ fn run<const D: usize>(
                         continue;
                     }
                     wrong += usize::from(bad);
-                    gap = gap.max((found.distance - found.bound) / found.distance.max(1e-3 * size));
+                    let share = (found.distance - found.bound) / found.distance.max(1e-3 * size);
+                    if share > gap.0 {
+                        gap = (share, i);
+                    }
                     if time > slowest.0 {
                         slowest = (time, i);
                     }
@@ -146,12 +149,14 @@ fn run<const D: usize>(
         }
         let n = points.len() as f64;
         println!(
-            "{:22} {:6} {wrong:6} {gap:9.1e} {:9.2} {:9.1} {:9.2} {fast_wrong:8}   (slowest {})",
+            "{:22} {:6} {wrong:6} {:9.1e} {:9.2} {:9.1} {:9.2} {fast_wrong:8}   (widest gap {}, slowest {})",
             format!("{stem}.{set}"),
             points.len(),
+            gap.0,
             seconds[0] * 1e6 / n,
             slowest.0 * 1e6,
             seconds[1] * 1e6 / n,
+            gap.1,
             slowest.1
         );
     }

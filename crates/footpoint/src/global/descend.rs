@@ -1,5 +1,6 @@
 //! Local minimisation of the distance on the patches: Newton's method with an active set.
 
+use super::dispatch::vectorized;
 use super::patch::PatchSet;
 use nalgebra::Vector3;
 
@@ -99,8 +100,15 @@ impl<const K: usize> PatchSet<K> {
     }
 
     /// Follows the distance downhill from a place, across smooth borders of patches, until the steps vanish.
-    #[inline(always)]
     pub(crate) fn descend(&self, x: &Vector3<f64>, patch: usize, local: [f64; 2], max_steps: u32) -> Foot {
+        vectorized(
+            #[inline(always)]
+            || self.descend_inline(x, patch, local, max_steps),
+        )
+    }
+
+    #[inline(always)]
+    fn descend_inline(&self, x: &Vector3<f64>, patch: usize, local: [f64; 2], max_steps: u32) -> Foot {
         let mut index = patch;
         let mut at = local;
         let mut best = Foot { patch, local, ..Foot::NONE };

@@ -12,6 +12,7 @@
 
 use super::bernstein::basis_rows;
 use super::descend::Foot;
+use super::dispatch::vectorized;
 use super::gap::Gap;
 use super::lanes::{
     Row, WIDTH, add_scaled, differences, dot, row_max, row_min, second_differences, subtract, widen, zero_row,
@@ -57,11 +58,26 @@ struct Bends {
 }
 
 impl<const K: usize> PatchSet<K> {
-    /// Shows that no point of the patch is nearer than `search.limit_sq(best)`, improving `best` where one is.
+    /// Shows that no point of the patch is nearer than the limit that `gap` sets for `best`, improving `best` where
+    /// one is.
     ///
     /// Returns the largest squared distance for which this was shown.
-    #[inline(always)]
     pub(crate) fn prove(
+        &self,
+        x: &Vector3<f64>,
+        index: usize,
+        best: &mut Foot,
+        gap: &Gap,
+        scratch: &mut Scratch<K>,
+    ) -> f64 {
+        vectorized(
+            #[inline(always)]
+            || self.prove_inline(x, index, best, gap, scratch),
+        )
+    }
+
+    #[inline(always)]
+    fn prove_inline(
         &self,
         x: &Vector3<f64>,
         index: usize,
@@ -117,6 +133,16 @@ impl<const K: usize> PatchSet<K> {
                         unresolved = unresolved.min(min);
                     }
                     Verdict::Undecided(direction, _) => {
+                        if close && !region.fine {
+                            // Before the fine arithmetic: is there something nearer where the form is lowest?
+                            let found = self.descend(x, index, region.place(argmin(&rows)), 30);
+                            best.steps += found.steps;
+                            if found.distance_sq < best.distance_sq * (1.0 - IMPROVEMENT) {
+                                *best = Foot { steps: best.steps, ..found };
+                                scratch.current = rows;
+                                continue 'restart;
+                            }
+                        }
                         scratch.rows.resize(first + 2 * m, zero_row());
                         if close {
                             let at = self.split_place(&region, direction, best, index, patch);

@@ -1,5 +1,6 @@
 //! Best-first search for the nearest point of a set of curve pieces, and its certificate.
 
+use super::dispatch::vectorized;
 use super::gap::Gap;
 use super::lanes::{Row, WIDTH, row_max, row_min};
 use super::line::{LineProof, Segment, prove_line};
@@ -40,8 +41,15 @@ pub(crate) struct CurveScratch<const K: usize> {
 
 impl<const D: usize, const K: usize> PieceSet<D, K> {
     /// Follows the distance downhill, across smooth borders of pieces, until the steps vanish.
-    #[inline(always)]
     pub(crate) fn descend(&self, x: &SVector<f64, D>, piece: usize, local: f64, max_steps: u32) -> CurveFoot {
+        vectorized(
+            #[inline(always)]
+            || self.descend_inline(x, piece, local, max_steps),
+        )
+    }
+
+    #[inline(always)]
+    fn descend_inline(&self, x: &SVector<f64, D>, piece: usize, local: f64, max_steps: u32) -> CurveFoot {
         let mut best = CurveFoot { piece, local, ..CurveFoot::NONE };
         let (mut index, mut at) = (piece, local);
         let (mut steps, mut taken, mut shrink) = (0, 0.0f64, 1.0);

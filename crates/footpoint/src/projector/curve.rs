@@ -2,7 +2,6 @@
 
 use super::Progress;
 use super::batch::{self, Batch};
-use crate::global::dispatch::vectorized;
 use crate::global::gap::Gap;
 use crate::global::piece::PieceSet;
 use crate::global::search_curve::{CurveFoot, CurveScratch};
@@ -35,8 +34,6 @@ enum Sets<const D: usize> {
     One(PieceSet<D, 1>),
     /// Up to 7.
     Two(PieceSet<D, 2>),
-    /// Up to 15.
-    Four(PieceSet<D, 4>),
     /// Up to 25.
     Seven(PieceSet<D, 7>),
 }
@@ -47,7 +44,6 @@ macro_rules! with_set {
         match $sets {
             Sets::One($set) => $body,
             Sets::Two($set) => $body,
-            Sets::Four($set) => $body,
             Sets::Seven($set) => $body,
         }
     };
@@ -77,7 +73,6 @@ impl<const D: usize> CurveProjector<D> {
         let set = match degree {
             0..=3 => Sets::One(PieceSet::new(all)),
             4..=7 => Sets::Two(PieceSet::new(all)),
-            8..=15 => Sets::Four(PieceSet::new(all)),
             _ => Sets::Seven(PieceSet::new(all)),
         };
         Self { set }
@@ -115,15 +110,12 @@ impl<const D: usize> CurveProjector<D> {
     /// Follows the distance downhill from a known parameter: a previous answer for a point nearby.
     #[must_use]
     pub fn project_from(&self, x: &SVector<f64, D>, shape: usize, parameter: f64) -> CurveFootpoint<D> {
-        with_set!(&self.set, set => vectorized(
-            #[inline(always)]
-            || match set.locate(shape, parameter) {
-                Some((piece, local)) if x.iter().all(|c| c.is_finite()) => {
-                    set.finish(x, &set.descend(x, piece, local, 50))
-                }
-                _ => CurveFootpoint::invalid(),
+        with_set!(&self.set, set => match set.locate(shape, parameter) {
+            Some((piece, local)) if x.iter().all(|c| c.is_finite()) => {
+                set.finish(x, &set.descend(x, piece, local, 50))
             }
-        ))
+            _ => CurveFootpoint::invalid(),
+        })
     }
 
     /// Projects many points, in parallel, each with the result of its neighbour as a start.

@@ -3,7 +3,6 @@
 use super::Progress;
 use super::batch::{self, Batch};
 use crate::global::descend::Foot;
-use crate::global::dispatch::vectorized;
 use crate::global::gap::Gap;
 use crate::global::patch::PatchSet;
 use crate::global::scratch::Scratch;
@@ -42,8 +41,6 @@ pub(crate) enum Sets {
     One(PatchSet<1>),
     /// Up to 7.
     Two(PatchSet<2>),
-    /// Up to 15.
-    Four(PatchSet<4>),
     /// Up to 25.
     Seven(PatchSet<7>),
 }
@@ -54,7 +51,6 @@ macro_rules! with_set {
         match $sets {
             Sets::One($set) => $body,
             Sets::Two($set) => $body,
-            Sets::Four($set) => $body,
             Sets::Seven($set) => $body,
         }
     };
@@ -84,7 +80,6 @@ impl SurfaceProjector {
         let set = match degree {
             0..=3 => Sets::One(PatchSet::new(all)),
             4..=7 => Sets::Two(PatchSet::new(all)),
-            8..=15 => Sets::Four(PatchSet::new(all)),
             _ => Sets::Seven(PatchSet::new(all)),
         };
         Self { set }
@@ -124,17 +119,14 @@ impl SurfaceProjector {
     /// Finds the local minimum that the start leads to, at a fraction of the cost of a search.
     #[must_use]
     pub fn project_from(&self, x: &Vector3<f64>, shape: usize, parameter: [f64; 2]) -> SurfaceFootpoint {
-        with_set!(&self.set, set => vectorized(
-            #[inline(always)]
-            || {
+        with_set!(&self.set, set => {
                 if !x.iter().all(|c| c.is_finite()) || shape >= set.cells.len() {
                     return SurfaceFootpoint::invalid();
                 }
                 let (cell, local) = set.cells[shape].locate(parameter);
                 let foot = set.descend(x, set.cells[shape].patch(cell), local, 50);
                 set.finish(x, &foot)
-            }
-        ))
+        })
     }
 
     /// Projects many points, in parallel, each with the result of its neighbour as a start.
