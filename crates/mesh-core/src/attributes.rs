@@ -93,10 +93,7 @@ impl Attributes {
     /// The values of the scalar called `name`.
     #[must_use]
     pub fn scalar(&self, name: &str) -> Option<&[f64]> {
-        self.scalars
-            .iter()
-            .find(|field| field.name == name)
-            .map(|field| field.values.as_slice())
+        self.scalars.iter().find(|field| field.name == name).map(|field| field.values.as_slice())
     }
 
     /// Whether there is neither a normal nor a colour nor a scalar.
@@ -136,27 +133,12 @@ impl Attributes {
 
     /// Checks that every attribute has one value per point.
     pub(crate) fn check(&self, points: usize) -> Result<(), Error> {
-        let lengths = (self
-            .normals
-            .iter()
-            .map(|normals| ("normals", normals.len())))
-        .chain(
-            self.colours
-                .iter()
-                .map(|colours| ("colours", colours.len())),
-        )
-        .chain(
-            self.scalars
-                .iter()
-                .map(|field| (field.name.as_str(), field.values.len())),
-        );
+        let lengths = (self.normals.iter().map(|normals| ("normals", normals.len())))
+            .chain(self.colours.iter().map(|colours| ("colours", colours.len())))
+            .chain(self.scalars.iter().map(|field| (field.name.as_str(), field.values.len())));
         for (name, found) in lengths {
             if found != points {
-                return Err(Error::AttributeLength {
-                    name: name.to_owned(),
-                    found,
-                    expected: points,
-                });
+                return Err(Error::AttributeLength { name: name.to_owned(), found, expected: points });
             }
         }
         Ok(())

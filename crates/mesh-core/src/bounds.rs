@@ -17,16 +17,10 @@ impl BoundingBox {
     pub fn of(points: &[Point3<f64>]) -> Option<Self> {
         let mut finite = points.iter().filter(|point| is_finite(point));
         let first = *finite.next()?;
-        Some(finite.fold(
-            Self {
-                min: first,
-                max: first,
-            },
-            |bounds, point| Self {
-                min: bounds.min.inf(point),
-                max: bounds.max.sup(point),
-            },
-        ))
+        Some(finite.fold(Self { min: first, max: first }, |bounds, point| Self {
+            min: bounds.min.inf(point),
+            max: bounds.max.sup(point),
+        }))
     }
 
     /// The midpoint of the box, free of overflow.
@@ -71,8 +65,7 @@ mod tests {
 
     #[test]
     fn measures() {
-        let bounds =
-            BoundingBox::of(&[Point3::new(1.0, 2.0, 3.0), Point3::new(4.0, 6.0, 3.0)]).unwrap();
+        let bounds = BoundingBox::of(&[Point3::new(1.0, 2.0, 3.0), Point3::new(4.0, 6.0, 3.0)]).unwrap();
         assert_eq!(bounds.centre(), Point3::new(2.5, 4.0, 3.0));
         assert_eq!(bounds.diagonal(), 5.0);
     }

@@ -19,17 +19,11 @@ pub(crate) struct Aabb {
 }
 
 impl Aabb {
-    pub(crate) const EMPTY: Self = Self {
-        min: [f64::INFINITY; 3],
-        max: [f64::NEG_INFINITY; 3],
-    };
+    pub(crate) const EMPTY: Self = Self { min: [f64::INFINITY; 3], max: [f64::NEG_INFINITY; 3] };
 
     pub(crate) fn of_points(points: &[Point3<f64>]) -> Self {
         points.iter().fold(Self::EMPTY, |bounds, point| {
-            bounds.union(&Self {
-                min: point.coords.into(),
-                max: point.coords.into(),
-            })
+            bounds.union(&Self { min: point.coords.into(), max: point.coords.into() })
         })
     }
 
@@ -55,9 +49,7 @@ impl Aabb {
     fn distance_sq(&self, x: &Point3<f64>) -> f64 {
         let mut sum = 0.0;
         for axis in 0..3 {
-            let outside = (self.min[axis] - x[axis])
-                .max(x[axis] - self.max[axis])
-                .max(0.0);
+            let outside = (self.min[axis] - x[axis]).max(x[axis] - self.max[axis]).max(0.0);
             sum += outside * outside;
         }
         sum
@@ -85,40 +77,20 @@ impl Bvh {
     pub(crate) fn new(boxes: &[Aabb]) -> Self {
         let mut order: Vec<u32> = (0u32..).take(boxes.len()).collect();
         let mut nodes = Vec::with_capacity(boxes.len() / 2 + 1);
-        nodes.push(Node {
-            bounds: Aabb::EMPTY,
-            first: 0,
-            count: 0,
-        });
+        nodes.push(Node { bounds: Aabb::EMPTY, first: 0, count: 0 });
         let mut open = vec![(0usize, 0usize, boxes.len(), 0usize)];
         while let Some((node, start, end, depth)) = open.pop() {
             let items = &mut order[start..end];
-            let bounds = items
-                .iter()
-                .fold(Aabb::EMPTY, |sum, &item| sum.union(&boxes[item as usize]));
+            let bounds = items.iter().fold(Aabb::EMPTY, |sum, &item| sum.union(&boxes[item as usize]));
             nodes[node] = if items.len() > LEAF_SIZE {
                 let middle = start + split(items, boxes, &bounds, depth);
                 let child = nodes.len();
-                nodes.extend(
-                    [Node {
-                        bounds: Aabb::EMPTY,
-                        first: 0,
-                        count: 0,
-                    }; 2],
-                );
+                nodes.extend([Node { bounds: Aabb::EMPTY, first: 0, count: 0 }; 2]);
                 open.push((child + 1, middle, end, depth + 1));
                 open.push((child, start, middle, depth + 1));
-                Node {
-                    bounds,
-                    first: child,
-                    count: 0,
-                }
+                Node { bounds, first: child, count: 0 }
             } else {
-                Node {
-                    bounds,
-                    first: start,
-                    count: items.len(),
-                }
+                Node { bounds, first: start, count: items.len() }
             };
         }
         Self { nodes, order }
@@ -140,10 +112,7 @@ impl Bvh {
             let mut node = &self.nodes[index];
             while node.count == 0 {
                 let children = &self.nodes[node.first..node.first + 2];
-                let distances = [
-                    children[0].bounds.distance_sq(x),
-                    children[1].bounds.distance_sq(x),
-                ];
+                let distances = [children[0].bounds.distance_sq(x), children[1].bounds.distance_sq(x)];
                 let near = usize::from(distances[1] < distances[0]);
                 if distances[1 - near] <= limit {
                     stack[depth] = (node.first + 1 - near, distances[1 - near]);
@@ -166,19 +135,10 @@ fn split(items: &mut [u32], boxes: &[Aabb], bounds: &Aabb, depth: usize) -> usiz
     let mut centres = Aabb::EMPTY;
     for &item in items.iter() {
         let middle = [0, 1, 2].map(|axis| boxes[item as usize].centre(axis));
-        centres = centres.union(&Aabb {
-            min: middle,
-            max: middle,
-        });
+        centres = centres.union(&Aabb { min: middle, max: middle });
     }
     let extent = |axis: usize| centres.max[axis] - centres.min[axis];
-    let axis = (1..3).fold(0, |best, axis| {
-        if extent(axis) > extent(best) {
-            axis
-        } else {
-            best
-        }
-    });
+    let axis = (1..3).fold(0, |best, axis| if extent(axis) > extent(best) { axis } else { best });
     let half = items.len() / 2;
     let binned = if depth < BINNED_DEPTH && extent(axis) > 0.0 && extent(axis).is_finite() {
         binned_split(items, boxes, &centres, bounds, axis)
@@ -187,8 +147,7 @@ fn split(items: &mut [u32], boxes: &[Aabb], bounds: &Aabb, depth: usize) -> usiz
     };
     binned.unwrap_or_else(|| {
         items.select_nth_unstable_by(half, |&one, &other| {
-            let [one_centre, other_centre] =
-                [one, other].map(|item| boxes[item as usize].centre(axis));
+            let [one_centre, other_centre] = [one, other].map(|item| boxes[item as usize].centre(axis));
             one_centre.total_cmp(&other_centre).then(one.cmp(&other))
         });
         half

@@ -60,32 +60,20 @@ impl MeshProjector {
     pub fn new(mesh: &TriangleMesh) -> Result<Self, Error> {
         let positions = mesh.vertices();
         let welded = mesh.welded_triangles();
-        let shape_of =
-            |corners: &[u32; 3]| Triangle(corners.map(|vertex| positions[vertex as usize]));
+        let shape_of = |corners: &[u32; 3]| Triangle(corners.map(|vertex| positions[vertex as usize]));
         let usable: Vec<u32> = (welded.iter().zip(0u32..))
             .filter(|(corners, _)| shape_of(corners).0.iter().all(is_finite))
             .map(|(_, index)| index)
             .collect();
         if usable.is_empty() {
-            return Err(Error::NoTriangles {
-                triangles: welded.len(),
-            });
+            return Err(Error::NoTriangles { triangles: welded.len() });
         }
-        let boxes: Vec<_> = usable
-            .iter()
-            .map(|&index| Aabb::of_points(&shape_of(&welded[index as usize]).0))
-            .collect();
+        let boxes: Vec<_> =
+            usable.iter().map(|&index| Aabb::of_points(&shape_of(&welded[index as usize]).0)).collect();
         let bvh = Bvh::new(&boxes);
         drop(boxes);
-        let indices: Vec<u32> = bvh
-            .order
-            .iter()
-            .map(|&place| usable[place as usize])
-            .collect();
-        let corners: Vec<[u32; 3]> = indices
-            .iter()
-            .map(|&index| welded[index as usize])
-            .collect();
+        let indices: Vec<u32> = bvh.order.iter().map(|&place| usable[place as usize]).collect();
+        let corners: Vec<[u32; 3]> = indices.iter().map(|&index| welded[index as usize]).collect();
         let triangles: Vec<_> = corners.iter().map(shape_of).collect();
         let edges = EdgeMap::of(&corners);
         let normals = PseudoNormals::new(&triangles, &corners, positions.len());
@@ -128,34 +116,16 @@ impl MeshProjector {
     /// distance exceeds the largest double.
     pub fn project(&self, x: &Point3<f64>) -> Result<MeshFootpoint, Error> {
         if !is_finite(x) {
-            return Err(Error::NonFinitePoint {
-                x: x.x,
-                y: x.y,
-                z: x.z,
-            });
+            return Err(Error::NonFinitePoint { x: x.x, y: x.y, z: x.z });
         }
         let Some((place, foot)) = self.nearest(x) else {
-            return Err(Error::DistanceOverflow {
-                x: x.x,
-                y: x.y,
-                z: x.z,
-            });
+            return Err(Error::DistanceOverflow { x: x.x, y: x.y, z: x.z });
         };
-        let normal = (self.normals.at(
-            place,
-            foot.feature,
-            &self.corners[place],
-            &self.neighbours[place],
-        ))
-        .unwrap_or_else(|| self.gathered_normal(&foot.point));
+        let normal = (self.normals.at(place, foot.feature, &self.corners[place], &self.neighbours[place]))
+            .unwrap_or_else(|| self.gathered_normal(&foot.point));
         let distance = foot.distance_sq.sqrt();
-        let signed_distance = self.is_solid().then(|| {
-            if (x - foot.point).dot(&normal) < 0.0 {
-                -distance
-            } else {
-                distance
-            }
-        });
+        let signed_distance =
+            self.is_solid().then(|| if (x - foot.point).dot(&normal) < 0.0 { -distance } else { distance });
         Ok(MeshFootpoint {
             triangle: self.indices[place] as usize,
             barycentric: foot.barycentric,
@@ -208,18 +178,12 @@ impl MeshProjector {
     /// The feature of a foot, where a place within the meeting tolerance of an edge or corner is on it.
     fn snapped(&self, shape: &Triangle, foot: &TriangleFoot) -> Feature {
         let near = |point: &Point3<f64>| (point - foot.point).norm() <= self.meeting;
-        if let Some(corner) = [0u8, 1, 2]
-            .into_iter()
-            .find(|&corner| near(&shape.0[usize::from(corner)]))
-        {
+        if let Some(corner) = [0u8, 1, 2].into_iter().find(|&corner| near(&shape.0[usize::from(corner)])) {
             return Feature::Vertex(corner);
         }
         if foot.feature == Feature::Face {
             for edge in [0u8, 1, 2] {
-                let (from, to) = (
-                    shape.0[usize::from(edge)],
-                    shape.0[usize::from(edge + 1) % 3],
-                );
+                let (from, to) = (shape.0[usize::from(edge)], shape.0[usize::from(edge + 1) % 3]);
                 let along = to - from;
                 let height = along.cross(&(foot.point - from)).norm();
                 if height <= self.meeting * along.norm() {

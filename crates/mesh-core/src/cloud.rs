@@ -22,25 +22,14 @@ impl PointCloud {
     /// A cloud in space.
     #[must_use]
     pub fn new(positions: Vec<Point3<f64>>) -> Self {
-        Self {
-            positions,
-            planar: false,
-            attributes: Attributes::default(),
-        }
+        Self { positions, planar: false, attributes: Attributes::default() }
     }
 
     /// A cloud in the plane.
     #[must_use]
     pub fn planar(positions: &[Point2<f64>]) -> Self {
-        let positions = positions
-            .iter()
-            .map(|point| Point3::new(point.x, point.y, 0.0))
-            .collect();
-        Self {
-            positions,
-            planar: true,
-            attributes: Attributes::default(),
-        }
+        let positions = positions.iter().map(|point| Point3::new(point.x, point.y, 0.0)).collect();
+        Self { positions, planar: true, attributes: Attributes::default() }
     }
 
     /// Marks the cloud as one in the plane z = 0.
@@ -49,10 +38,7 @@ impl PointCloud {
     /// [`Error::NotPlanar`] with the first point whose z is not 0.
     pub fn into_planar(mut self) -> Result<Self, Error> {
         match self.positions.iter().position(|point| point.z != 0.0) {
-            Some(index) => Err(Error::NotPlanar {
-                index,
-                z: self.positions[index].z,
-            }),
+            Some(index) => Err(Error::NotPlanar { index, z: self.positions[index].z }),
             None => {
                 self.planar = true;
                 Ok(self)
@@ -100,10 +86,7 @@ impl PointCloud {
         self.edit(|attributes| attributes.push_scalar(name, values))
     }
 
-    fn edit(
-        mut self,
-        change: impl FnOnce(&mut Attributes) -> Result<(), Error>,
-    ) -> Result<Self, Error> {
+    fn edit(mut self, change: impl FnOnce(&mut Attributes) -> Result<(), Error>) -> Result<Self, Error> {
         change(&mut self.attributes)?;
         self.attributes.check(self.positions.len())?;
         Ok(self)
@@ -154,10 +137,7 @@ impl PointCloud {
     /// Number of points with a coordinate that is NaN or infinite.
     #[must_use]
     pub fn count_non_finite(&self) -> usize {
-        self.positions
-            .iter()
-            .filter(|point| !is_finite(point))
-            .count()
+        self.positions.iter().filter(|point| !is_finite(point)).count()
     }
 
     /// Drops the points with a coordinate that is NaN or infinite, with their attributes; returns how many.
@@ -194,37 +174,18 @@ mod tests {
         assert_eq!(cloud.count_non_finite(), 2);
         assert_eq!(cloud.retain_finite(), 2);
         assert_eq!(cloud.len(), 1);
-        assert_eq!(
-            cloud.attributes().normals(),
-            Some([Vector3::x()].as_slice())
-        );
-        assert_eq!(
-            cloud.attributes().colours(),
-            Some(&Colours::Rgb(vec![[1; 3]]))
-        );
-        assert_eq!(
-            cloud.attributes().scalar("intensity"),
-            Some([7.0].as_slice())
-        );
+        assert_eq!(cloud.attributes().normals(), Some([Vector3::x()].as_slice()));
+        assert_eq!(cloud.attributes().colours(), Some(&Colours::Rgb(vec![[1; 3]])));
+        assert_eq!(cloud.attributes().scalar("intensity"), Some([7.0].as_slice()));
         assert_eq!(cloud.retain_finite(), 0);
     }
 
     #[test]
     fn refuses_attributes_of_another_length() {
         let error = three().with_scalar("t", vec![0.0]).unwrap_err();
-        assert_eq!(
-            error,
-            Error::AttributeLength {
-                name: "t".into(),
-                found: 1,
-                expected: 3
-            }
-        );
+        assert_eq!(error, Error::AttributeLength { name: "t".into(), found: 1, expected: 3 });
         let cloud = three().with_scalar("t", vec![0.0; 3]).unwrap();
-        assert_eq!(
-            cloud.with_scalar("t", vec![0.0; 3]),
-            Err(Error::DuplicateScalar { name: "t".into() })
-        );
+        assert_eq!(cloud.with_scalar("t", vec![0.0; 3]), Err(Error::DuplicateScalar { name: "t".into() }));
     }
 
     #[test]
@@ -232,9 +193,6 @@ mod tests {
         assert_eq!(PointCloud::planar(&[Point2::new(1.0, 2.0)]).dimension(), 2);
         let cloud = PointCloud::new(vec![Point3::origin(), Point3::new(0.0, 0.0, 3.0)]);
         assert_eq!(cloud.dimension(), 3);
-        assert_eq!(
-            cloud.into_planar(),
-            Err(Error::NotPlanar { index: 1, z: 3.0 })
-        );
+        assert_eq!(cloud.into_planar(), Err(Error::NotPlanar { index: 1, z: 3.0 }));
     }
 }

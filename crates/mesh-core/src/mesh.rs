@@ -41,19 +41,11 @@ impl TriangleMesh {
         for (triangle, corners) in triangles.iter().enumerate() {
             for (corner, &index) in corners.iter().enumerate() {
                 if index as usize >= vertices.len() {
-                    return Err(Error::VertexIndex {
-                        triangle,
-                        corner,
-                        index,
-                        vertices: vertices.len(),
-                    });
+                    return Err(Error::VertexIndex { triangle, corner, index, vertices: vertices.len() });
                 }
             }
         }
-        Ok(Self {
-            vertices,
-            triangles,
-        })
+        Ok(Self { vertices, triangles })
     }
 
     /// Replaces all vertex attributes.
@@ -61,10 +53,7 @@ impl TriangleMesh {
     /// # Errors
     /// [`Error::AttributeLength`] if an attribute has not one value per vertex.
     pub fn with_attributes(self, attributes: Attributes) -> Result<Self, Error> {
-        Ok(Self {
-            vertices: self.vertices.with_attributes(attributes)?,
-            triangles: self.triangles,
-        })
+        Ok(Self { vertices: self.vertices.with_attributes(attributes)?, triangles: self.triangles })
     }
 
     /// The vertices.
@@ -100,9 +89,7 @@ impl TriangleMesh {
     /// Positions of the three corners of a triangle, if it exists.
     #[must_use]
     pub fn corners(&self, triangle: usize) -> Option<[Point3<f64>; 3]> {
-        self.triangles
-            .get(triangle)
-            .map(|corners| self.positions_of(corners))
+        self.triangles.get(triangle).map(|corners| self.positions_of(corners))
     }
 
     /// The smallest box around the vertices with finite coordinates; `None` if there is none.
@@ -163,10 +150,7 @@ impl TriangleMesh {
     /// The triangles with every vertex replaced by the first one at the same position.
     pub(crate) fn welded_triangles(&self) -> Vec<[u32; 3]> {
         let welded = self.coincident_vertices();
-        self.triangles
-            .iter()
-            .map(|corners| corners.map(|index| welded[index as usize]))
-            .collect()
+        self.triangles.iter().map(|corners| corners.map(|index| welded[index as usize])).collect()
     }
 
     /// Sum of the areas of the triangles.
@@ -179,21 +163,14 @@ impl TriangleMesh {
     #[must_use]
     pub fn signed_volume(&self) -> f64 {
         // Relative to the centre, so that coordinates far from the origin cost no digits.
-        let centre = self
-            .bounding_box()
-            .map_or_else(Point3::origin, |bounds| bounds.centre());
-        (self
-            .triangles
-            .iter()
-            .map(|corners| self.positions_of(corners)))
-        .map(|[a, b, c]| (a - centre).dot(&(b - centre).cross(&(c - centre))) / 6.0)
-        .sum()
+        let centre = self.bounding_box().map_or_else(Point3::origin, |bounds| bounds.centre());
+        (self.triangles.iter().map(|corners| self.positions_of(corners)))
+            .map(|[a, b, c]| (a - centre).dot(&(b - centre).cross(&(c - centre))) / 6.0)
+            .sum()
     }
 
     fn area_vectors(&self) -> impl Iterator<Item = Vector3<f64>> {
-        self.triangles
-            .iter()
-            .map(|corners| Triangle(self.positions_of(corners)).area_vector())
+        self.triangles.iter().map(|corners| Triangle(self.positions_of(corners)).area_vector())
     }
 
     fn positions_of(&self, corners: &[u32; 3]) -> [Point3<f64>; 3] {
@@ -214,14 +191,7 @@ mod tests {
     fn welds_by_position_alone() {
         let p = |x: f64, y: f64| Point3::new(x, y, 0.0);
         let mesh = TriangleMesh::new(
-            vec![
-                p(0.0, 0.0),
-                p(1.0, 0.0),
-                p(0.0, 1.0),
-                p(1.0, -0.0),
-                p(1.0, 1.0),
-                p(-0.0, 1.0),
-            ],
+            vec![p(0.0, 0.0), p(1.0, 0.0), p(0.0, 1.0), p(1.0, -0.0), p(1.0, 1.0), p(-0.0, 1.0)],
             vec![[0, 1, 2], [3, 4, 5]],
         )
         .unwrap();
@@ -237,9 +207,6 @@ mod tests {
         vertices[1].x = f64::NAN;
         let mut mesh = TriangleMesh::new(vertices, vec![[0, 1, 2], [2, 3, 4]]).unwrap();
         assert_eq!(mesh.retain_finite(), 1);
-        assert_eq!(
-            (mesh.vertices().len(), mesh.triangles()),
-            (4, [[1, 2, 3]].as_slice())
-        );
+        assert_eq!((mesh.vertices().len(), mesh.triangles()), (4, [[1, 2, 3]].as_slice()));
     }
 }

@@ -30,11 +30,7 @@ impl PseudoNormals {
                 doubtful[vertex as usize] |= *normal == Vector3::zeros();
             }
         }
-        Self {
-            faces,
-            vertices: sums,
-            doubtful,
-        }
+        Self { faces, vertices: sums, doubtful }
     }
 
     /// The pseudo-normal, not of unit length, of a feature of a triangle with the given vertices and neighbours.
@@ -64,12 +60,7 @@ impl PseudoNormals {
     }
 
     /// What a triangle adds to the pseudo-normal at a point that lies on it.
-    pub(crate) fn share(
-        &self,
-        triangle: usize,
-        shape: &Triangle,
-        feature: Feature,
-    ) -> Vector3<f64> {
+    pub(crate) fn share(&self, triangle: usize, shape: &Triangle, feature: Feature) -> Vector3<f64> {
         let angle = match feature {
             Feature::Face => std::f64::consts::TAU,
             Feature::Edge(_) => std::f64::consts::PI,

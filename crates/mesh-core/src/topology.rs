@@ -60,11 +60,7 @@ impl fmt::Display for MeshTopology {
                 write!(f, ", {count} {what}")?;
             }
         }
-        f.write_str(if self.is_solid() {
-            "; closed"
-        } else {
-            "; not a closed solid"
-        })
+        f.write_str(if self.is_solid() { "; closed" } else { "; not a closed solid" })
     }
 }
 
@@ -80,10 +76,7 @@ pub(crate) struct EdgeMap {
 
 impl EdgeMap {
     pub(crate) fn of(triangles: &[[u32; 3]]) -> Self {
-        let mut topology = MeshTopology {
-            triangles: triangles.len(),
-            ..MeshTopology::default()
-        };
+        let mut topology = MeshTopology { triangles: triangles.len(), ..MeshTopology::default() };
         // Sorted half edges: (smaller vertex, larger vertex, triangle, edge, runs from smaller to larger).
         let mut half_edges = Vec::with_capacity(3 * triangles.len());
         for (corners, triangle) in triangles.iter().zip(0u32..) {
@@ -110,10 +103,7 @@ impl EdgeMap {
                 _ => topology.non_manifold_edges += 1,
             }
         }
-        Self {
-            topology,
-            neighbours,
-        }
+        Self { topology, neighbours }
     }
 }
 

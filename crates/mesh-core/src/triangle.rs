@@ -38,9 +38,7 @@ impl Triangle {
 
     /// Unit normal, or zero for a triangle without area.
     pub(crate) fn unit_normal(&self) -> Vector3<f64> {
-        self.area_vector()
-            .try_normalize(0.0)
-            .unwrap_or_else(Vector3::zeros)
+        self.area_vector().try_normalize(0.0).unwrap_or_else(Vector3::zeros)
     }
 
     /// Interior angle at a corner in radians, 0 where an adjacent edge has no length.
@@ -60,12 +58,8 @@ impl Triangle {
         let [a, b, c] = self.0;
         let (ab, ac, ax) = (b - a, c - a, x - a);
         let normal = ab.cross(&ac);
-        let (area_sq, longest_sq) = (
-            normal.norm_squared(),
-            ab.norm_squared()
-                .max(ac.norm_squared())
-                .max((c - b).norm_squared()),
-        );
+        let (area_sq, longest_sq) =
+            (normal.norm_squared(), ab.norm_squared().max(ac.norm_squared()).max((c - b).norm_squared()));
         let of_c = ab.cross(&ax).dot(&normal) / area_sq;
         let of_b = ax.cross(&ac).dot(&normal) / area_sq;
         let barycentric = [1.0 - of_b - of_c, of_b, of_c];
@@ -116,18 +110,8 @@ impl Triangle {
     }
 }
 
-fn foot(
-    x: &Point3<f64>,
-    point: Point3<f64>,
-    barycentric: [f64; 3],
-    feature: Feature,
-) -> TriangleFoot {
-    TriangleFoot {
-        point,
-        barycentric,
-        feature,
-        distance_sq: (x - point).norm_squared(),
-    }
+fn foot(x: &Point3<f64>, point: Point3<f64>, barycentric: [f64; 3], feature: Feature) -> TriangleFoot {
+    TriangleFoot { point, barycentric, feature, distance_sq: (x - point).norm_squared() }
 }
 
 #[cfg(test)]
@@ -140,11 +124,7 @@ mod tests {
 
     #[test]
     fn tells_features_apart() {
-        let triangle = Triangle([
-            point(0.0, 0.0, 0.0),
-            point(2.0, 0.0, 0.0),
-            point(0.0, 2.0, 0.0),
-        ]);
+        let triangle = Triangle([point(0.0, 0.0, 0.0), point(2.0, 0.0, 0.0), point(0.0, 2.0, 0.0)]);
         for (x, feature, distance) in [
             (point(0.5, 0.5, 3.0), Feature::Face, 3.0),
             (point(1.0, -2.0, 0.0), Feature::Edge(0), 2.0),
@@ -162,20 +142,12 @@ mod tests {
 
     #[test]
     fn an_obtuse_corner_does_not_mislead() {
-        let triangle = Triangle([
-            point(0.0, 0.0, 0.0),
-            point(1.0, 0.0, 0.0),
-            point(-3.0, 1.0, 0.0),
-        ]);
+        let triangle = Triangle([point(0.0, 0.0, 0.0), point(1.0, 0.0, 0.0), point(-3.0, 1.0, 0.0)]);
         let foot = triangle.closest(&point(-1.0, -0.2, 0.0));
         let dense = (0..=100_000u32)
             .flat_map(|i| {
                 let t = f64::from(i) / 1e5;
-                [
-                    point(t, 0.0, 0.0),
-                    point(-3.0 * t, t, 0.0),
-                    point(1.0 - 4.0 * t, t, 0.0),
-                ]
+                [point(t, 0.0, 0.0), point(-3.0 * t, t, 0.0), point(1.0 - 4.0 * t, t, 0.0)]
             })
             .map(|q| (q - point(-1.0, -0.2, 0.0)).norm())
             .fold(f64::INFINITY, f64::min);
@@ -184,15 +156,8 @@ mod tests {
 
     #[test]
     fn degenerate_triangles_are_segments_and_points() {
-        let segment = Triangle([
-            point(0.0, 0.0, 0.0),
-            point(1.0, 0.0, 0.0),
-            point(3.0, 0.0, 0.0),
-        ]);
-        assert_eq!(
-            segment.closest(&point(2.0, 1.0, 0.0)).point,
-            point(2.0, 0.0, 0.0)
-        );
+        let segment = Triangle([point(0.0, 0.0, 0.0), point(1.0, 0.0, 0.0), point(3.0, 0.0, 0.0)]);
+        assert_eq!(segment.closest(&point(2.0, 1.0, 0.0)).point, point(2.0, 0.0, 0.0));
         let dot = Triangle([point(1.0, 1.0, 1.0); 3]);
         let foot = dot.closest(&point(1.0, 1.0, 3.0));
         assert_eq!((foot.distance_sq, foot.point), (4.0, point(1.0, 1.0, 1.0)));

@@ -12,25 +12,9 @@ fn p(x: f64, y: f64, z: f64) -> Point3<f64> {
 
 /// The unit cube, corner `i` at the bits of `i`, normals outwards.
 fn cube() -> TriangleMesh {
-    let corner = |i: u32| {
-        p(
-            f64::from(i & 1),
-            f64::from(i >> 1 & 1),
-            f64::from(i >> 2 & 1),
-        )
-    };
-    let quads = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
-    let triangles = quads
-        .iter()
-        .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]])
-        .collect();
+    let corner = |i: u32| p(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2 & 1));
+    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
     TriangleMesh::new((0..8).map(corner).collect(), triangles).unwrap()
 }
 
@@ -41,13 +25,8 @@ fn cube_signed_distance(x: &Point3<f64>) -> f64 {
 
 /// Triangle soup in which every triangle is split into its own vertices.
 fn unshared(mesh: &TriangleMesh) -> TriangleMesh {
-    let vertices = (0..mesh.triangles().len())
-        .flat_map(|t| mesh.corners(t).unwrap())
-        .collect();
-    let triangles = (0u32..)
-        .take(mesh.triangles().len())
-        .map(|t| [3 * t, 3 * t + 1, 3 * t + 2])
-        .collect();
+    let vertices = (0..mesh.triangles().len()).flat_map(|t| mesh.corners(t).unwrap()).collect();
+    let triangles = (0u32..).take(mesh.triangles().len()).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
     TriangleMesh::new(vertices, triangles).unwrap()
 }
 
@@ -55,11 +34,7 @@ fn unshared(mesh: &TriangleMesh) -> TriangleMesh {
 fn brute_distance(corners: &[Point3<f64>; 3], x: &Point3<f64>) -> f64 {
     let segment = |a: &Point3<f64>, b: &Point3<f64>| {
         let along = b - a;
-        let t = if along.norm_squared() > 0.0 {
-            (x - a).dot(&along) / along.norm_squared()
-        } else {
-            0.0
-        };
+        let t = if along.norm_squared() > 0.0 { (x - a).dot(&along) / along.norm_squared() } else { 0.0 };
         (a + along * t.clamp(0.0, 1.0) - x).norm()
     };
     let [a, b, c] = corners;
@@ -82,14 +57,11 @@ fn signs_of_a_cube() {
         let projector = MeshProjector::new(&mesh).unwrap();
         assert!(projector.is_solid());
         for i in 0..9 * 9 * 9 {
-            let x = p(f64::from(i % 9), f64::from(i / 9 % 9), f64::from(i / 81)) * 0.37
-                - Vector3::repeat(1.03);
+            let x =
+                p(f64::from(i % 9), f64::from(i / 9 % 9), f64::from(i / 81)) * 0.37 - Vector3::repeat(1.03);
             let foot = projector.project(&x).unwrap();
             let expected = cube_signed_distance(&x);
-            assert!(
-                (foot.signed_distance.unwrap() - expected).abs() < 1e-14,
-                "{x}: {foot:?}, {expected}"
-            );
+            assert!((foot.signed_distance.unwrap() - expected).abs() < 1e-14, "{x}: {foot:?}, {expected}");
             assert!((foot.distance - (foot.point - x).norm()).abs() < 1e-15);
         }
         let corner = projector.project(&p(2.0, 3.0, 4.0)).unwrap();
@@ -106,10 +78,7 @@ fn a_sliver_without_area_does_not_spoil_the_sign() {
     let mut vertices = mesh.vertices().to_vec();
     vertices.push(p(0.5, 0.0, 0.0));
     let mut triangles = mesh.triangles().to_vec();
-    let split = triangles
-        .iter()
-        .position(|t| t.contains(&0) && t.contains(&1) && t.contains(&5))
-        .unwrap();
+    let split = triangles.iter().position(|t| t.contains(&0) && t.contains(&1) && t.contains(&5)).unwrap();
     assert_eq!(triangles[split], [0, 1, 5]);
     triangles[split] = [0, 8, 5];
     triangles.extend([[8, 1, 5], [0, 1, 8]]);
@@ -132,54 +101,26 @@ fn a_sliver_without_area_does_not_spoil_the_sign() {
 fn open_and_inconsistent_meshes_have_no_sign() {
     let cube = cube();
     let open = TriangleMesh::new(cube.vertices().to_vec(), cube.triangles()[1..].to_vec()).unwrap();
-    assert_eq!(
-        MeshProjector::new(&open)
-            .unwrap()
-            .project(&p(0.5, 0.5, 0.5))
-            .unwrap()
-            .signed_distance,
-        None
-    );
+    assert_eq!(MeshProjector::new(&open).unwrap().project(&p(0.5, 0.5, 0.5)).unwrap().signed_distance, None);
     let mut flipped = cube.triangles().to_vec();
     flipped[3].swap(0, 1);
     let flipped = TriangleMesh::new(cube.vertices().to_vec(), flipped).unwrap();
     let projector = MeshProjector::new(&flipped).unwrap();
     assert_eq!(projector.topology().inconsistent_edges, 3);
-    assert_eq!(
-        projector
-            .project(&p(0.5, 0.5, 0.5))
-            .unwrap()
-            .signed_distance,
-        None
-    );
+    assert_eq!(projector.project(&p(0.5, 0.5, 0.5)).unwrap().signed_distance, None);
 }
 
 #[test]
 fn bad_input_is_an_error() {
     let empty = TriangleMesh::new(vec![Point3::origin(); 3], vec![]).unwrap();
-    assert_eq!(
-        MeshProjector::new(&empty).unwrap_err(),
-        Error::NoTriangles { triangles: 0 }
-    );
+    assert_eq!(MeshProjector::new(&empty).unwrap_err(), Error::NoTriangles { triangles: 0 });
     let nowhere = TriangleMesh::new(vec![p(f64::NAN, 0.0, 0.0); 3], vec![[0, 1, 2]; 2]).unwrap();
-    assert_eq!(
-        MeshProjector::new(&nowhere).unwrap_err(),
-        Error::NoTriangles { triangles: 2 }
-    );
+    assert_eq!(MeshProjector::new(&nowhere).unwrap_err(), Error::NoTriangles { triangles: 2 });
 
     let projector = MeshProjector::new(&cube()).unwrap();
-    assert!(matches!(
-        projector.project(&p(f64::NAN, 0.0, 0.0)),
-        Err(Error::NonFinitePoint { .. })
-    ));
-    assert!(matches!(
-        projector.project(&p(0.0, f64::INFINITY, 0.0)),
-        Err(Error::NonFinitePoint { .. })
-    ));
-    assert!(matches!(
-        projector.project(&p(1e200, 0.0, 0.0)),
-        Err(Error::DistanceOverflow { .. })
-    ));
+    assert!(matches!(projector.project(&p(f64::NAN, 0.0, 0.0)), Err(Error::NonFinitePoint { .. })));
+    assert!(matches!(projector.project(&p(0.0, f64::INFINITY, 0.0)), Err(Error::NonFinitePoint { .. })));
+    assert!(matches!(projector.project(&p(1e200, 0.0, 0.0)), Err(Error::DistanceOverflow { .. })));
 }
 
 #[test]
@@ -199,8 +140,7 @@ fn far_from_the_origin_nothing_is_lost() {
     let shift = Vector3::new(4.5e6, -3.2e6, 1e6);
     let moved: Vec<_> = cube().vertices().iter().map(|v| v + shift).collect();
     let projector =
-        MeshProjector::new(&TriangleMesh::new(moved, cube().triangles().to_vec()).unwrap())
-            .unwrap();
+        MeshProjector::new(&TriangleMesh::new(moved, cube().triangles().to_vec()).unwrap()).unwrap();
     for x in [p(0.25, 0.5, 0.75), p(2.0, 2.0, 0.5), p(-1.0, 0.5, 0.5)] {
         let foot = projector.project(&(x + shift)).unwrap();
         assert!((foot.signed_distance.unwrap() - cube_signed_distance(&x)).abs() < 2e-9);
@@ -221,14 +161,8 @@ fn soup() -> impl Strategy<Value = TriangleMesh> {
     )
         .prop_map(|(vertices, triangles)| {
             let count = u32::try_from(vertices.len()).unwrap();
-            TriangleMesh::new(
-                vertices,
-                triangles
-                    .into_iter()
-                    .map(|t| t.map(|i| i % count))
-                    .collect(),
-            )
-            .unwrap()
+            TriangleMesh::new(vertices, triangles.into_iter().map(|t| t.map(|i| i % count)).collect())
+                .unwrap()
         })
 }
 
@@ -278,21 +212,15 @@ fn uv_sphere(radii: &[f64]) -> TriangleMesh {
                 f64::from(ring + 1) * 0.25 * std::f64::consts::PI,
                 f64::from(step) * 0.25 * std::f64::consts::PI,
             );
-            let direction = Vector3::new(
-                polar.sin() * azimuth.cos(),
-                polar.sin() * azimuth.sin(),
-                polar.cos(),
-            );
+            let direction =
+                Vector3::new(polar.sin() * azimuth.cos(), polar.sin() * azimuth.sin(), polar.cos());
             vertices.push(Point3::from(direction * radii[vertices.len()]));
         }
     }
     let at = |ring: u32, step: u32| 2 + 8 * ring + step % 8;
     let mut triangles = Vec::new();
     for step in 0..8 {
-        triangles.extend([
-            [0, at(0, step), at(0, step + 1)],
-            [1, at(2, step + 1), at(2, step)],
-        ]);
+        triangles.extend([[0, at(0, step), at(0, step + 1)], [1, at(2, step + 1), at(2, step)]]);
         for ring in 0..2 {
             triangles.push([at(ring, step), at(ring + 1, step), at(ring + 1, step + 1)]);
             triangles.push([at(ring, step), at(ring + 1, step + 1), at(ring, step + 1)]);
@@ -306,16 +234,9 @@ fn ray_from_origin(mesh: &TriangleMesh, direction: &Vector3<f64>) -> Option<f64>
     (0..mesh.triangles().len()).find_map(|triangle| {
         let [a, b, c] = mesh.corners(triangle).unwrap().map(|v| v.coords);
         let volume = a.dot(&b.cross(&c));
-        let weights = [
-            direction.dot(&b.cross(&c)),
-            direction.dot(&c.cross(&a)),
-            direction.dot(&a.cross(&b)),
-        ]
-        .map(|w| w / volume);
+        let weights = [direction.dot(&b.cross(&c)), direction.dot(&c.cross(&a)), direction.dot(&a.cross(&b))]
+            .map(|w| w / volume);
         let sum: f64 = weights.iter().sum();
-        weights
-            .iter()
-            .all(|&w| w > 1e-6 * sum.abs())
-            .then_some(1.0 / sum)
+        weights.iter().all(|&w| w > 1e-6 * sum.abs()).then_some(1.0 / sum)
     })
 }

@@ -97,8 +97,8 @@ impl<'a> Part<'a> {
         let lines = self.text.split_inclusive('\n').take(error.line().saturating_sub(1));
         let at = (lines.map(str::len).sum::<usize>() + error.column()).min(self.text.len());
         let before = self.text.get(..at).unwrap_or(self.text);
-        // What concerns the shape as a whole is noticed behind its last brace.
-        let whole = error.is_data() && self.text[before.len()..].trim_start().is_empty();
+        // What concerns the shape as a whole has no place, or is noticed behind the last brace.
+        let whole = error.line() == 0 || error.is_data() && self.text[before.len()..].trim_start().is_empty();
         match last_key(before).filter(|_| !whole) {
             Some(key) => self.error(at, &format!("{key}: {message} (column {})", error.column())),
             None if whole => self.error(0, message),

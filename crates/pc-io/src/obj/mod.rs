@@ -75,9 +75,8 @@ struct Reader<'a> {
     fans: Fans,
     /// Corners of all faces: vertex and normal.
     normal_of: Vec<NormalOf>,
-    /// The largest vertex and normal that a face refers to, and where.
+    /// The largest vertex that a face refers to, and where.
     last_vertex: Option<(u64, usize)>,
-    last_normal: Option<(u64, usize)>,
     texture: usize,
     free_form: usize,
     weighted: usize,
@@ -141,15 +140,10 @@ impl Reader<'_> {
                 Some(part) => Some(self.index(at, part, self.normals.len(), "normal")?),
                 None => None,
             };
-            let beyond =
-                |last: Option<(u64, usize)>, index: u32| last.is_none_or(|(last, _)| u64::from(index) > last);
-            if beyond(self.last_vertex, vertex) {
+            if self.last_vertex.is_none_or(|(last, _)| u64::from(vertex) > last) {
                 self.last_vertex = Some((u64::from(vertex), at));
             }
             if let Some(normal) = normal {
-                if beyond(self.last_normal, normal) {
-                    self.last_normal = Some((u64::from(normal), at));
-                }
                 self.note_normal(vertex, normal);
             }
             corners.push(vertex);
@@ -189,15 +183,10 @@ impl Reader<'_> {
     }
 
     fn finish(mut self) -> Result<Parsed, Error> {
-        let limits = [
-            ("vertex", self.last_vertex, self.positions.len()),
-            ("normal", self.last_normal, self.normals.len()),
-        ];
-        for (what, last, count) in limits {
-            if let Some((index, at)) = last.filter(|&(index, _)| index >= count as u64) {
-                let what = format!("a face refers to {what} {}, but there are {count}", index + 1);
-                return Err(self.source.line_error(at, what, "correct the face or export the file again"));
-            }
+        let count = self.positions.len();
+        if let Some((index, at)) = self.last_vertex.filter(|&(index, _)| index >= count as u64) {
+            let what = format!("a face refers to vertex {}, but there are {count}", index + 1);
+            return Err(self.source.line_error(at, what, "correct the face or export the file again"));
         }
         let mut warnings = Vec::new();
         if let Some((at, count)) = self.cut_numbers {
@@ -229,6 +218,9 @@ impl Reader<'_> {
     fn vertex_normals(&mut self, warnings: &mut Vec<String>) -> Option<Vec<Vector3<f64>>> {
         let (given, vertices) = (self.normals.len(), self.positions.len());
         if given == 0 {
+            if !self.normal_of.is_empty() {
+                warnings.push("faces refer to normals, but there are none".to_owned());
+            }
             return None;
         }
         let in_order = self.normal_of.iter().zip(0u32..).all(|(normal, index)| match normal {

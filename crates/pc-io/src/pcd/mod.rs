@@ -169,9 +169,7 @@ fn read_binary(
     let stride: usize = header.fields.iter().map(Field::bytes).sum();
     let points = source.check_promise(header.end, "points", header.points, stride.max(1), false)?;
     let (rows, rest) = source.data[header.end..].split_at(points * stride);
-    if !rest.iter().all(u8::is_ascii_whitespace) {
-        warnings.push(format!("{} bytes follow after the last point", rest.len()));
-    }
+    warn_of_rest(rest, warnings);
     let mut offset = 0;
     let mut columns = columns.iter_mut();
     for field in &header.fields {
@@ -185,6 +183,13 @@ fn read_binary(
         }
     }
     Ok(())
+}
+
+/// PCL fills files with zeros to whole pages of memory.
+fn warn_of_rest(rest: &[u8], warnings: &mut Vec<String>) {
+    if !rest.iter().all(|&byte| byte == 0 || byte.is_ascii_whitespace()) {
+        warnings.push(format!("{} bytes follow after the last point", rest.len()));
+    }
 }
 
 /// Compressed points are stored field by field.
@@ -214,12 +219,7 @@ fn read_compressed(
     let size = size_at(4) as usize;
     let data: Cow<'_, [u8]> = lzf::unpack(&source.data[start..start + packed], size, start)?.into();
     let points = size.checked_div(stride).unwrap_or(0);
-    let rest = source.data.len() - start - packed;
-    // PCL pads files to whole pages of memory.
-    if rest > 0 && !source.data[start + packed..].iter().all(|&byte| byte == 0 || byte.is_ascii_whitespace())
-    {
-        warnings.push(format!("{rest} bytes follow after the last point"));
-    }
+    warn_of_rest(&source.data[start + packed..], warnings);
     let mut offset = 0;
     let mut columns = columns.iter_mut();
     for field in &header.fields {

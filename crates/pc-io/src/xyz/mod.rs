@@ -70,6 +70,9 @@ fn read_rows(
                 values.truncate(before);
                 continue;
             }
+            if expected < 2 {
+                break;
+            }
             return Err(source.line_error(
                 at,
                 format!("{} has {found} columns where {expected} are expected", quoted(line.trim_ascii())),
@@ -81,11 +84,15 @@ fn read_rows(
         warnings.push(format!("{empty} empty fields were read as NaN"));
     }
     let width = width.unwrap_or(3);
+    if values.is_empty() && layout.promised.is_some_and(|promised| promised > 0) {
+        let what = "the file ends after the number of points";
+        return Err(source.line_error(layout.data, what, "the file is truncated, export it again"));
+    }
     if width < 2 {
         return Err(source.line_error(
             layout.data,
             "the lines hold one number each, but a point has two or three coordinates",
-            "give a file with a point per line",
+            "give a file with a point per line; PTX has to be converted to PTS, PLY or XYZ first",
         ));
     }
     Ok((values, width))
