@@ -148,10 +148,15 @@ fn by_content(data: &[u8]) -> Option<Format> {
 /// PCD, OBJ or a table, by the first lines that are neither blank nor comments.
 fn by_lines(head: &[u8]) -> Option<Format> {
     let mut first_row = None;
+    let mut described = false;
     for (_, line) in Lines::new(head).take(HEAD_LINES) {
         let line = line.trim_ascii();
         if line.is_empty() || line.starts_with(b"#") || line.starts_with(b"//") {
+            described |= crate::xyz::looks_like_header(line);
             continue;
+        }
+        if crate::xyz::looks_like_header(line) {
+            return Some(crate::xyz::format_of_row(line));
         }
         let word = line.split(u8::is_ascii_whitespace).next().unwrap_or_default();
         if matches!(word, b"VERSION" | b"FIELDS" | b"COLUMNS") {
@@ -178,7 +183,7 @@ fn by_lines(head: &[u8]) -> Option<Format> {
             return None;
         }
     }
-    None
+    (described && first_row.is_none()).then_some(Format::Xyz)
 }
 
 fn mentions(head: &[u8], words: &[&[u8]]) -> bool {

@@ -154,6 +154,7 @@ const TABLE: &[(&str, Expected)] = &[
     ("formats/stl/draco/test_sphere_ascii.stl", Holds(114, 224)),
     ("formats/stl/geometry-central/stl_box_ascii.stl", Holds(8, 12)),
     ("formats/stl/geometry-central/stl_box_binary.stl", Holds(8, 12)),
+    ("formats/json/model.json", Holds(0, 0)),
     ("mesh/bunny.obj", Holds(1839, 3674)),
     ("mesh/bunny_99.stl", Holds(54, 99)),
     ("mesh/bunny_99_ascii.stl", Holds(54, 99)),

@@ -39,8 +39,19 @@ pub(crate) fn looks_like_row(line: &[u8]) -> bool {
     match fields.as_slice() {
         [] => false,
         [count] => parse_count(count).is_some(),
-        fields => fields.iter().all(|field| parse(field).is_some() || is_decimal_comma(field)),
+        fields => fields.iter().all(|field| parse(field).is_some()) || has_decimal_comma(line),
     }
+}
+
+/// Whether a line, perhaps a comment, names columns among which are x and y.
+pub(crate) fn looks_like_header(line: &[u8]) -> bool {
+    names_a_position(names(uncommented(line)).iter().map(String::as_str))
+}
+
+/// A line without the signs of a comment before it.
+fn uncommented(line: &[u8]) -> &[u8] {
+    let line = line.trim_ascii();
+    &line[line.iter().take_while(|&&byte| matches!(byte, b'#' | b'/')).count()..]
 }
 
 /// The format of a file whose rows are like this one.
@@ -64,8 +75,7 @@ impl Layout {
                 break;
             }
             // Names may stand in the last comment before the rows: "# x y z" or "//X Y Z".
-            let comment = line.trim_ascii();
-            let comment = &comment[comment.iter().take_while(|&&byte| matches!(byte, b'#' | b'/')).count()..];
+            let comment = uncommented(line);
             if names_a_position(names(comment).iter().map(String::as_str)) {
                 described = Some(comment);
             }

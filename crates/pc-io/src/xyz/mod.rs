@@ -11,7 +11,7 @@ use crate::parsed::Parsed;
 use crate::source::{Source, quoted};
 use crate::{Error, Format, not_points};
 
-pub(crate) use self::layout::{format_of_row, looks_like_row};
+pub(crate) use self::layout::{format_of_row, looks_like_header, looks_like_row};
 pub(crate) use self::write::{write_csv, write_pts, write_xyz};
 
 /// Reads one point per line. The meaning of the columns follows from the names in a header line, else from the
