@@ -27,6 +27,7 @@ mod mesh;
 mod pseudo_normal;
 mod topology;
 mod triangle;
+mod weld;
 
 pub use attributes::{Attributes, Colours, ScalarField};
 pub use bounds::BoundingBox;
@@ -37,3 +38,4 @@ pub use mesh::TriangleMesh;
 pub use nalgebra;
 pub use topology::MeshTopology;
 pub use triangle::Feature;
+pub use weld::VertexWelder;

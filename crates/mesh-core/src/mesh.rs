@@ -1,12 +1,10 @@
 //! Triangle meshes.
 
-use std::collections::HashMap;
-
 use nalgebra::{Point3, Vector3};
 
 use crate::bounds::is_finite;
 use crate::triangle::Triangle;
-use crate::{Attributes, BoundingBox, Error, MeshTopology, PointCloud};
+use crate::{Attributes, BoundingBox, Error, MeshTopology, PointCloud, VertexWelder};
 
 /// Triangles over shared vertices, with attributes per vertex.
 ///
@@ -129,9 +127,17 @@ impl TriangleMesh {
     /// become connected when triangles are read through this map. Zeros of either sign are the same position.
     #[must_use]
     pub fn coincident_vertices(&self) -> Vec<u32> {
-        let mut first = HashMap::with_capacity(self.vertices.len());
+        let mut welder = VertexWelder::with_capacity(self.vertices.len());
+        let mut first = Vec::with_capacity(self.vertices.len());
         (self.vertices().iter().zip(0u32..))
-            .map(|(vertex, index)| *first.entry(position_key(vertex)).or_insert(index))
+            .map(|(&vertex, index)| {
+                // There are no more positions than vertices, whose number was checked.
+                let number = welder.insert(vertex).map_or(first.len(), |number| number as usize);
+                if number == first.len() {
+                    first.push(index);
+                }
+                first[number]
+            })
             .collect()
     }
 
@@ -176,11 +182,6 @@ impl TriangleMesh {
     fn positions_of(&self, corners: &[u32; 3]) -> [Point3<f64>; 3] {
         corners.map(|index| self.vertices()[index as usize])
     }
-}
-
-/// Equal for equal positions; zeros of either sign are equal, and NaN equals the same NaN.
-fn position_key(point: &Point3<f64>) -> [u64; 3] {
-    [point.x, point.y, point.z].map(|value| (value + 0.0).to_bits())
 }
 
 #[cfg(test)]

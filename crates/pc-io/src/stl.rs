@@ -1,9 +1,8 @@
 //! STL: text and binary.
 
-use std::collections::HashMap;
 use std::io::{self, Write};
 
-use mesh_core::PointCloud;
+use mesh_core::{PointCloud, VertexWelder};
 use nalgebra::{Point3, Vector3};
 
 use crate::error::Place;
@@ -18,15 +17,15 @@ const FACET: usize = 50;
 
 /// Reads triangles; corners at exactly the same position become one vertex.
 pub(crate) fn read(source: Source<'_>) -> Result<Parsed, Error> {
-    let mut welder = Welder::default();
+    let mut soup = Soup::default();
     let mut warnings = Vec::new();
     if is_text(source.data) {
-        read_text(source, &mut welder)?;
+        read_text(source, &mut soup)?;
     } else {
-        read_binary(source, &mut welder, &mut warnings)?;
+        read_binary(source, &mut soup, &mut warnings)?;
     }
-    let cloud = PointCloud::new(welder.vertices);
-    Ok(Parsed { format: Format::Stl, cloud, triangles: Some(welder.triangles), warnings })
+    let cloud = PointCloud::new(soup.welder.into_vertices());
+    Ok(Parsed { format: Format::Stl, cloud, triangles: Some(soup.triangles), warnings })
 }
 
 /// Whether the size is exactly that of a binary file with the number of triangles it states.
@@ -51,34 +50,22 @@ fn is_text(data: &[u8]) -> bool {
     starts_with_solid(data) && !head.contains(&0) && !is_binary(data)
 }
 
-/// Gives equal positions equal numbers, in the order in which they come.
+/// Triangles over welded vertices.
 #[derive(Default)]
-struct Welder {
-    numbers: HashMap<[u64; 3], u32>,
-    vertices: Vec<Point3<f64>>,
+struct Soup {
+    welder: VertexWelder,
     triangles: Vec<[u32; 3]>,
 }
 
-impl Welder {
+impl Soup {
     fn push(&mut self, corners: [Point3<f64>; 3]) -> Result<(), Error> {
-        let mut indices = [0; 3];
-        for (index, corner) in indices.iter_mut().zip(corners) {
-            // Zeros of either sign are the same place.
-            let key = [corner.x, corner.y, corner.z].map(|value| (value + 0.0).to_bits());
-            let next = self.vertices.len();
-            let next = u32::try_from(next)
-                .map_err(|_| Error::shape(mesh_core::Error::TooMany { what: "vertices", count: next }))?;
-            *index = *self.numbers.entry(key).or_insert(next);
-            if *index == next {
-                self.vertices.push(corner);
-            }
-        }
-        self.triangles.push(indices);
+        let [a, b, c] = corners.map(|corner| self.welder.insert(corner).map_err(Error::shape));
+        self.triangles.push([a?, b?, c?]);
         Ok(())
     }
 }
 
-fn read_binary(source: Source<'_>, welder: &mut Welder, warnings: &mut Vec<String>) -> Result<(), Error> {
+fn read_binary(source: Source<'_>, soup: &mut Soup, warnings: &mut Vec<String>) -> Result<(), Error> {
     let data = source.data;
     let Some(count) = data.get(80..HEADER).and_then(|bytes| bytes.try_into().ok()).map(u32::from_le_bytes)
     else {
@@ -89,9 +76,8 @@ fn read_binary(source: Source<'_>, welder: &mut Welder, warnings: &mut Vec<Strin
         ));
     };
     let count = source.check_promise(HEADER, "triangles", u64::from(count), FACET, false)?;
-    welder.triangles.reserve(count);
-    welder.vertices.reserve(count / 2);
-    welder.numbers.reserve(count / 2);
+    soup.triangles.reserve(count);
+    soup.welder = VertexWelder::with_capacity(count / 2);
     let (facets, rest) = data[HEADER..].split_at(count * FACET);
     for facet in facets.chunks_exact(FACET) {
         let number = |at: usize| {
@@ -99,7 +85,7 @@ fn read_binary(source: Source<'_>, welder: &mut Welder, warnings: &mut Vec<Strin
             bytes.copy_from_slice(&facet[at..at + 4]);
             f64::from(f32::from_le_bytes(bytes))
         };
-        welder.push([12, 24, 36].map(|at| Point3::new(number(at), number(at + 4), number(at + 8))))?;
+        soup.push([12, 24, 36].map(|at| Point3::new(number(at), number(at + 4), number(at + 8))))?;
     }
     if !rest.is_empty() {
         warnings.push(format!("{} bytes follow after the last triangle", rest.len()));
@@ -108,7 +94,7 @@ fn read_binary(source: Source<'_>, welder: &mut Welder, warnings: &mut Vec<Strin
 }
 
 /// Only the vertices between `outer loop` and `endloop` count; normals follow from them.
-fn read_text(source: Source<'_>, welder: &mut Welder) -> Result<(), Error> {
+fn read_text(source: Source<'_>, soup: &mut Soup) -> Result<(), Error> {
     let mut corners: Vec<Point3<f64>> = Vec::new();
     let mut in_facet = false;
     for (at, line) in source.lines_from(0) {
@@ -140,7 +126,7 @@ fn read_text(source: Source<'_>, welder: &mut Welder) -> Result<(), Error> {
                     let what = format!("a facet has {} vertices instead of three", corners.len());
                     return Err(source.line_error(at, what, EXPORT));
                 };
-                welder.push([a, b, c])?;
+                soup.push([a, b, c])?;
                 (in_facet, corners) = (false, Vec::new());
             } else if is(b"normal") {
                 // The three numbers are passed over one by one, whatever they are.

@@ -159,6 +159,13 @@ impl Visitor for Points {
         }
     }
 
+    #[inline]
+    fn column(&mut self, property: usize, values: impl Iterator<Item = f64>) {
+        if let Some(column) = &mut self.columns[property] {
+            column.values.extend(values);
+        }
+    }
+
     fn item(&mut self, _: usize, _: f64) {}
 
     fn end_row(&mut self, _: Place) -> Result<(), Error> {

@@ -10,6 +10,12 @@ use crate::source::{Source, is_blank, quoted};
 pub(super) trait Visitor {
     /// A number that is not in a list.
     fn scalar(&mut self, property: usize, value: f64);
+    /// The numbers of a property in all rows.
+    fn column(&mut self, property: usize, values: impl Iterator<Item = f64>) {
+        for value in values {
+            self.scalar(property, value);
+        }
+    }
     /// The next number of a list.
     fn item(&mut self, property: usize, value: f64);
     /// The end of a row that began at `place`.
@@ -174,8 +180,12 @@ impl<'a> Rows<'a> {
                 ($($case:ident),*) => {
                     match (value, little) {
                         $(
-                            (Type::$case, true) => each::<true>(rows, stride, offset, Type::$case, |v| visitor.scalar(index, v)),
-                            (Type::$case, false) => each::<false>(rows, stride, offset, Type::$case, |v| visitor.scalar(index, v)),
+                            (Type::$case, true) => {
+                                visitor.column(index, column::<true>(rows, stride, offset, Type::$case));
+                            }
+                            (Type::$case, false) => {
+                                visitor.column(index, column::<false>(rows, stride, offset, Type::$case));
+                            }
                         )*
                     }
                 };
@@ -215,16 +225,13 @@ fn at_line(mut error: Error, source: Source<'_>) -> Error {
 }
 
 #[inline(always)]
-fn each<const LITTLE: bool>(
+fn column<const LITTLE: bool>(
     rows: &[u8],
     stride: usize,
     offset: usize,
     value: Type,
-    mut visit: impl FnMut(f64),
-) {
-    for row in rows.chunks_exact(stride) {
-        visit(decode::<LITTLE>(&row[offset..offset + value.size()], value));
-    }
+) -> impl Iterator<Item = f64> {
+    rows.chunks_exact(stride).map(move |row| decode::<LITTLE>(&row[offset..offset + value.size()], value))
 }
 
 /// The number in `bytes`, which has the size of the type.
