@@ -38,6 +38,7 @@ mod format;
 mod json;
 mod model;
 mod number;
+mod number_type;
 mod obj;
 mod off;
 mod parsed;

@@ -1,6 +1,7 @@
 //! The header of a PCD file.
 
 use crate::number::parse_count;
+use crate::number_type::NumberType;
 use crate::source::{Source, quoted, words};
 use crate::{Error, Place};
 
@@ -12,54 +13,12 @@ pub(super) enum Encoding {
     Compressed,
 }
 
-/// The type of a number.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Type {
-    I8,
-    I16,
-    I32,
-    I64,
-    U8,
-    U16,
-    U32,
-    U64,
-    F32,
-    F64,
-}
-
-impl Type {
-    fn new(letter: &[u8], size: usize) -> Option<Self> {
-        Some(match (letter, size) {
-            (b"I" | b"i", 1) => Self::I8,
-            (b"I" | b"i", 2) => Self::I16,
-            (b"I" | b"i", 4) => Self::I32,
-            (b"I" | b"i", 8) => Self::I64,
-            (b"U" | b"u", 1) => Self::U8,
-            (b"U" | b"u", 2) => Self::U16,
-            (b"U" | b"u", 4) => Self::U32,
-            (b"U" | b"u", 8) => Self::U64,
-            (b"F" | b"f", 4) => Self::F32,
-            (b"F" | b"f", 8) => Self::F64,
-            _ => return None,
-        })
-    }
-
-    pub(super) const fn size(self) -> usize {
-        match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::I32 | Self::U32 | Self::F32 => 4,
-            Self::I64 | Self::U64 | Self::F64 => 8,
-        }
-    }
-}
-
 /// A field of every point.
 #[derive(Debug, Clone)]
 pub(super) struct Field {
     pub(super) name: String,
     /// The type; `None` for padding, whose bytes may have any size.
-    pub(super) value: Option<Type>,
+    pub(super) value: Option<NumberType>,
     /// Bytes of one number.
     pub(super) size: usize,
     /// Numbers per point.
@@ -191,7 +150,7 @@ impl Entries<'_> {
             let count = small(entry(&self.counts, 1));
             let letter = self.types.as_ref().map_or(Some(b"F".as_slice()), |types| types.get(place).copied());
             let padding = *name == b"_";
-            let value = letter.zip(size).and_then(|(letter, size)| Type::new(letter, size));
+            let value = letter.zip(size).and_then(|(letter, size)| number_type(letter, size));
             let (Some(size), Some(count), true) = (size, count, value.is_some() || padding) else {
                 return Err(source.line_error(
                     at,
@@ -220,4 +179,20 @@ impl Entries<'_> {
         };
         Ok(Header { encoding, fields, points, warnings: self.warnings, end })
     }
+}
+
+fn number_type(letter: &[u8], size: usize) -> Option<NumberType> {
+    Some(match (letter, size) {
+        (b"I" | b"i", 1) => NumberType::I8,
+        (b"I" | b"i", 2) => NumberType::I16,
+        (b"I" | b"i", 4) => NumberType::I32,
+        (b"I" | b"i", 8) => NumberType::I64,
+        (b"U" | b"u", 1) => NumberType::U8,
+        (b"U" | b"u", 2) => NumberType::U16,
+        (b"U" | b"u", 4) => NumberType::U32,
+        (b"U" | b"u", 8) => NumberType::U64,
+        (b"F" | b"f", 4) => NumberType::F32,
+        (b"F" | b"f", 8) => NumberType::F64,
+        _ => return None,
+    })
 }

@@ -8,9 +8,10 @@ use std::borrow::Cow;
 
 use mesh_core::Colours;
 
-use self::header::{Encoding, Field, Header, Type};
+use self::header::{Encoding, Field, Header};
 use crate::columns::{Column, Kind, assemble};
 use crate::number;
+use crate::number_type::{NumberType, Strided, warn_of_wide};
 use crate::parsed::Parsed;
 use crate::source::{Source, quoted, words};
 use crate::{Error, Format, Place, not_points};
@@ -34,10 +35,8 @@ pub(crate) fn read(source: Source<'_>) -> Result<Parsed, Error> {
     for column in columns {
         if column.packed.is_some() && colours.is_none() {
             colours = Some(unpack_colours(&column));
-        } else if column.kind == Kind::Integer && column.values.iter().any(|value| value.abs() >= 9e15) {
-            warnings.push(format!("integers of {:?} above 2^53 lost their last digits", column.name));
-            plain.push(column);
         } else {
+            warn_of_wide(&column.name, column.kind, &column.values, &mut warnings);
             plain.push(column);
         }
     }
@@ -69,11 +68,7 @@ fn empty_columns(fields: &[Field]) -> Vec<PcdColumn> {
     let mut columns = Vec::new();
     for field in fields {
         let Some(value) = field.value else { continue };
-        let kind = match value {
-            Type::U8 => Kind::Byte,
-            Type::F32 | Type::F64 => Kind::Float,
-            _ => Kind::Integer,
-        };
+        let kind = value.kind();
         let packs = field.size == 4 && field.count == 1;
         let packed = match field.name.to_ascii_lowercase().as_str() {
             "rgb" if packs => Some(false),
@@ -149,8 +144,8 @@ fn read_text(source: Source<'_>, header: &Header, columns: &mut [PcdColumn]) -> 
 }
 
 /// The bits of a packed colour in a text: of the float, or the integer itself.
-fn packed_bits(word: &[u8], number: f64, value: Type) -> f64 {
-    let is_float = value == Type::F32 && !(word.iter().all(u8::is_ascii_digit) && number >= 1.0);
+fn packed_bits(word: &[u8], number: f64, value: NumberType) -> f64 {
+    let is_float = value == NumberType::F32 && !(word.iter().all(u8::is_ascii_digit) && number >= 1.0);
     if is_float { float_bits(number) } else { number }
 }
 
@@ -178,7 +173,7 @@ fn read_binary(
             continue;
         };
         for column in columns.by_ref().take(field.count) {
-            decode_all(rows, stride, offset, value, points, column);
+            decode_all(rows, stride, offset, value, column);
             offset += field.size;
         }
     }
@@ -227,37 +222,15 @@ fn read_compressed(
         offset += block.len();
         let Some(value) = field.value else { continue };
         for (index, column) in columns.by_ref().take(field.count).enumerate() {
-            decode_all(block, field.bytes(), index * field.size, value, points, column);
+            decode_all(block, field.bytes(), index * field.size, value, column);
         }
     }
     Ok(())
 }
 
-/// Appends the numbers at `offset` of every row of `stride` bytes.
-fn decode_all(rows: &[u8], stride: usize, offset: usize, value: Type, points: usize, column: &mut PcdColumn) {
-    column.values.reserve_exact(points);
-    let cells = rows.chunks_exact(stride).map(|row| &row[offset..offset + value.size()]);
-    macro_rules! decode {
-        ($kind:ty, $convert:expr) => {
-            column.values.extend(cells.map(|cell| {
-                let mut bytes = [0; size_of::<$kind>()];
-                bytes.copy_from_slice(cell);
-                $convert(<$kind>::from_le_bytes(bytes))
-            }))
-        };
-    }
-    match value {
-        Type::F32 if column.packed.is_some() => decode!(u32, f64::from),
-        Type::I32 if column.packed.is_some() => decode!(u32, f64::from),
-        Type::I8 => decode!(i8, f64::from),
-        Type::I16 => decode!(i16, f64::from),
-        Type::I32 => decode!(i32, f64::from),
-        Type::I64 => decode!(i64, |wide| wide as f64),
-        Type::U8 => decode!(u8, f64::from),
-        Type::U16 => decode!(u16, f64::from),
-        Type::U32 => decode!(u32, f64::from),
-        Type::U64 => decode!(u64, |wide| wide as f64),
-        Type::F32 => decode!(f32, f64::from),
-        Type::F64 => decode!(f64, |wide| wide),
-    }
+/// Appends one number of every row; of packed colours the bits, whatever their type.
+fn decode_all(rows: &[u8], stride: usize, offset: usize, value: NumberType, column: &mut PcdColumn) {
+    let number = if column.packed.is_some() { NumberType::U32 } else { value };
+    column.values.reserve_exact(rows.len() / stride);
+    Strided { rows, stride, offset, number, little_endian: true }.append_to(&mut column.values);
 }

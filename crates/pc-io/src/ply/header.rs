@@ -2,6 +2,7 @@
 
 use crate::Error;
 use crate::number::parse_count;
+use crate::number_type::NumberType;
 use crate::source::{Source, quoted, words};
 
 /// How the numbers after the header are written.
@@ -12,55 +13,13 @@ pub(super) enum Encoding {
     BigEndian,
 }
 
-/// The type of a number.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Type {
-    I8,
-    U8,
-    I16,
-    U16,
-    I32,
-    U32,
-    I64,
-    U64,
-    F32,
-    F64,
-}
-
-impl Type {
-    fn from_name(name: &[u8]) -> Option<Self> {
-        Some(match name {
-            b"char" | b"int8" => Self::I8,
-            b"uchar" | b"uint8" => Self::U8,
-            b"short" | b"int16" => Self::I16,
-            b"ushort" | b"uint16" => Self::U16,
-            b"int" | b"int32" => Self::I32,
-            b"uint" | b"uint32" => Self::U32,
-            b"int64" | b"long" => Self::I64,
-            b"uint64" | b"ulong" => Self::U64,
-            b"float" | b"float32" => Self::F32,
-            b"double" | b"float64" => Self::F64,
-            _ => return None,
-        })
-    }
-
-    pub(super) const fn size(self) -> usize {
-        match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::I32 | Self::U32 | Self::F32 => 4,
-            Self::I64 | Self::U64 | Self::F64 => 8,
-        }
-    }
-}
-
 /// A number, or a list of numbers after their count, per row of an element.
 #[derive(Debug, Clone)]
 pub(super) struct Property {
     pub(super) name: String,
-    pub(super) value: Type,
+    pub(super) value: NumberType,
     /// The type of the count, where the property is a list.
-    pub(super) list: Option<Type>,
+    pub(super) list: Option<NumberType>,
 }
 
 /// Rows with the same properties.
@@ -169,10 +128,27 @@ fn element<'a>(
 fn property<'a>(mut words: impl Iterator<Item = &'a [u8]>) -> Option<Property> {
     let first = words.next()?;
     let (list, value) = if first == b"list" {
-        let count = Type::from_name(words.next()?).filter(|count| !matches!(count, Type::F32 | Type::F64))?;
-        (Some(count), Type::from_name(words.next()?)?)
+        let count = type_from_name(words.next()?)
+            .filter(|count| !matches!(count, NumberType::F32 | NumberType::F64))?;
+        (Some(count), type_from_name(words.next()?)?)
     } else {
-        (None, Type::from_name(first)?)
+        (None, type_from_name(first)?)
     };
     Some(Property { name: String::from_utf8_lossy(words.next()?).into_owned(), value, list })
+}
+
+fn type_from_name(name: &[u8]) -> Option<NumberType> {
+    Some(match name {
+        b"char" | b"int8" => NumberType::I8,
+        b"uchar" | b"uint8" => NumberType::U8,
+        b"short" | b"int16" => NumberType::I16,
+        b"ushort" | b"uint16" => NumberType::U16,
+        b"int" | b"int32" => NumberType::I32,
+        b"uint" | b"uint32" => NumberType::U32,
+        b"int64" | b"long" => NumberType::I64,
+        b"uint64" | b"ulong" => NumberType::U64,
+        b"float" | b"float32" => NumberType::F32,
+        b"double" | b"float64" => NumberType::F64,
+        _ => return None,
+    })
 }

@@ -4,10 +4,11 @@ mod header;
 mod rows;
 mod write;
 
-use self::header::{Element, Property, Type};
+use self::header::{Element, Property};
 use self::rows::{Rows, Visitor};
-use crate::columns::{Column, Kind, assemble, names_a_position};
+use crate::columns::{Column, assemble, names_a_position};
 use crate::error::Place;
+use crate::number_type::warn_of_wide;
 use crate::parsed::{Fans, Parsed};
 use crate::source::Source;
 use crate::{Error, Format, not_points};
@@ -121,11 +122,7 @@ fn read_points(
     let column = |property: &Property| {
         property.list.is_none().then(|| Column {
             name: property.name.clone(),
-            kind: match property.value {
-                Type::U8 => Kind::Byte,
-                Type::F32 | Type::F64 => Kind::Float,
-                _ => Kind::Integer,
-            },
+            kind: property.value.kind(),
             values: Vec::with_capacity(count),
         })
     };
@@ -136,12 +133,9 @@ fn read_points(
         let names: Vec<_> = lists.iter().map(|property| property.name.as_str()).collect();
         warnings.push(format!("lists per point are not read: {}", names.join(", ")));
     }
-    let wide = |column: &&Column| {
-        column.kind == Kind::Integer && column.values.iter().any(|value| value.abs() >= 9e15)
-    };
     let columns: Vec<_> = points.columns.into_iter().flatten().collect();
-    for column in columns.iter().filter(wide) {
-        warnings.push(format!("integers of {:?} above 2^53 lost their last digits", column.name));
+    for column in &columns {
+        warn_of_wide(&column.name, column.kind, &column.values, warnings);
     }
     Ok(columns)
 }
@@ -159,11 +153,8 @@ impl Visitor for Points {
         }
     }
 
-    #[inline]
-    fn column(&mut self, property: usize, values: impl Iterator<Item = f64>) {
-        if let Some(column) = &mut self.columns[property] {
-            column.values.extend(values);
-        }
+    fn values(&mut self, property: usize) -> Option<&mut Vec<f64>> {
+        self.columns[property].as_mut().map(|column| &mut column.values)
     }
 
     fn item(&mut self, _: usize, _: f64) {}
@@ -184,6 +175,10 @@ struct Faces<'a> {
 
 impl Visitor for Faces<'_> {
     fn scalar(&mut self, _: usize, _: f64) {}
+
+    fn values(&mut self, _: usize) -> Option<&mut Vec<f64>> {
+        None
+    }
 
     #[inline]
     fn item(&mut self, property: usize, value: f64) {

@@ -1,24 +1,21 @@
 //! The rows after the header of a PLY file.
 
-use super::header::{Element, Encoding, Property, Type};
+use super::header::{Element, Encoding, Property};
 use crate::Error;
 use crate::error::{Location, Place};
 use crate::number::lex;
+use crate::number_type::{NumberType, Strided};
 use crate::source::{Source, is_blank, quoted};
 
 /// Takes the numbers of an element row by row.
 pub(super) trait Visitor {
     /// A number that is not in a list.
     fn scalar(&mut self, property: usize, value: f64);
-    /// The numbers of a property in all rows.
-    fn column(&mut self, property: usize, values: impl Iterator<Item = f64>) {
-        for value in values {
-            self.scalar(property, value);
-        }
-    }
+    /// Where the numbers of a property go that is no list, if they are wanted.
+    fn values(&mut self, property: usize) -> Option<&mut Vec<f64>>;
     /// The next number of a list.
     fn item(&mut self, property: usize, value: f64);
-    /// The end of a row that began at `place`.
+    /// The end of a row that began at `place`; binary rows without lists are not told one by one.
     fn end_row(&mut self, place: Place) -> Result<(), Error>;
 }
 
@@ -61,7 +58,10 @@ impl<'a> Rows<'a> {
                 self.visit_binary::<true>(element, count, visitor)
             }
             Encoding::BigEndian if element.has_list() => self.visit_binary::<false>(element, count, visitor),
-            Encoding::LittleEndian | Encoding::BigEndian => self.visit_columns(element, count, visitor),
+            Encoding::LittleEndian | Encoding::BigEndian => {
+                self.visit_columns(element, count, visitor);
+                Ok(())
+            }
         }
     }
 
@@ -70,6 +70,9 @@ impl<'a> Rows<'a> {
         struct Nobody;
         impl Visitor for Nobody {
             fn scalar(&mut self, _: usize, _: f64) {}
+            fn values(&mut self, _: usize) -> Option<&mut Vec<f64>> {
+                None
+            }
             fn item(&mut self, _: usize, _: f64) {}
             fn end_row(&mut self, _: Place) -> Result<(), Error> {
                 Ok(())
@@ -153,7 +156,7 @@ impl<'a> Rows<'a> {
                 let what = format_args!("items of the list {:?}", property.name);
                 let length = self.source.check_promise(self.at, what, length, size, false)?;
                 for item in data[self.at..self.at + length * size].chunks_exact(size) {
-                    visitor.item(index, decode::<LITTLE>(item, property.value));
+                    visitor.item(index, property.value.decode::<LITTLE>(item));
                 }
                 self.at += length * size;
             }
@@ -163,44 +166,21 @@ impl<'a> Rows<'a> {
     }
 
     /// Rows without lists have all the same size: one pass per property is much faster than one per row.
-    fn visit_columns(
-        &mut self,
-        element: &Element,
-        count: usize,
-        visitor: &mut impl Visitor,
-    ) -> Result<(), Error> {
+    fn visit_columns(&mut self, element: &Element, count: usize, visitor: &mut impl Visitor) {
         let stride = element.min_row_size(self.encoding);
         let rows = &self.source.data[self.at..self.at + count * stride];
+        let little_endian = self.encoding == Encoding::LittleEndian;
         let mut offset = 0;
         for (index, property) in element.properties.iter().enumerate() {
-            let Property { value, .. } = *property;
-            let little = self.encoding == Encoding::LittleEndian;
-            // The type is a constant in each branch, so that the loops are tight.
-            macro_rules! column {
-                ($($case:ident),*) => {
-                    match (value, little) {
-                        $(
-                            (Type::$case, true) => {
-                                visitor.column(index, column::<true>(rows, stride, offset, Type::$case));
-                            }
-                            (Type::$case, false) => {
-                                visitor.column(index, column::<false>(rows, stride, offset, Type::$case));
-                            }
-                        )*
-                    }
-                };
+            if let Some(values) = visitor.values(index) {
+                Strided { rows, stride, offset, number: property.value, little_endian }.append_to(values);
             }
-            column!(I8, U8, I16, U16, I32, U32, I64, U64, F32, F64);
-            offset += value.size();
-        }
-        for row in 0..count {
-            visitor.end_row(Place::Byte(self.at + row * stride))?;
+            offset += property.value.size();
         }
         self.at += count * stride;
-        Ok(())
     }
 
-    fn next<const LITTLE: bool>(&mut self, value: Type, element: &Element) -> Result<f64, Error> {
+    fn next<const LITTLE: bool>(&mut self, value: NumberType, element: &Element) -> Result<f64, Error> {
         let end = self.at + value.size();
         let Some(bytes) = self.source.data.get(self.at..end) else {
             return Err(Error::malformed(
@@ -210,7 +190,7 @@ impl<'a> Rows<'a> {
             ));
         };
         self.at = end;
-        Ok(decode::<LITTLE>(bytes, value))
+        Ok(value.decode::<LITTLE>(bytes))
     }
 }
 
@@ -222,40 +202,6 @@ fn at_line(mut error: Error, source: Source<'_>) -> Error {
         *place = Place::Line(source.line_at(offset));
     }
     error
-}
-
-#[inline(always)]
-fn column<const LITTLE: bool>(
-    rows: &[u8],
-    stride: usize,
-    offset: usize,
-    value: Type,
-) -> impl Iterator<Item = f64> {
-    rows.chunks_exact(stride).map(move |row| decode::<LITTLE>(&row[offset..offset + value.size()], value))
-}
-
-/// The number in `bytes`, which has the size of the type.
-#[inline(always)]
-fn decode<const LITTLE: bool>(bytes: &[u8], value: Type) -> f64 {
-    macro_rules! number {
-        ($kind:ty) => {{
-            let mut array = [0; size_of::<$kind>()];
-            array.copy_from_slice(bytes);
-            if LITTLE { <$kind>::from_le_bytes(array) } else { <$kind>::from_be_bytes(array) }
-        }};
-    }
-    match value {
-        Type::I8 => f64::from(number!(i8)),
-        Type::U8 => f64::from(number!(u8)),
-        Type::I16 => f64::from(number!(i16)),
-        Type::U16 => f64::from(number!(u16)),
-        Type::I32 => f64::from(number!(i32)),
-        Type::U32 => f64::from(number!(u32)),
-        Type::I64 => number!(i64) as f64,
-        Type::U64 => number!(u64) as f64,
-        Type::F32 => f64::from(number!(f32)),
-        Type::F64 => number!(f64),
-    }
 }
 
 /// One line of a text.
