@@ -1,1 +1,65 @@
 //! Files in and out: point clouds, meshes and NURBS.
+//!
+//! | format | reading | writing |
+//! |---|---|---|
+//! | PLY | ascii and both byte orders, every type, lists, unknown elements | binary little endian doubles, or ascii |
+//! | XYZ, CSV, PTS | any separator, header or none, two or three coordinates | full precision |
+//! | OBJ | polygons, relative indices, colours | with normals and colours |
+//! | STL | ascii and binary | binary |
+//! | OFF | with normals and colours | with normals and colours |
+//! | PCD | 0.5 to 0.7, ascii, binary and compressed | binary |
+//! | NURBS JSON | curves, surfaces, models | the same |
+//!
+//! The format is recognised by the content first, by the extension second. Whatever the bytes are, reading ends in an
+//! answer or in an [`Error`] that names the line or byte, and it never takes memory out of proportion to the file.
+//!
+//! ```
+//! use pc_io::{Content, Format, ReadOptions, WriteOptions};
+//!
+//! let dir = tempfile::tempdir()?;
+//! let text = dir.path().join("scan.txt");
+//! std::fs::write(&text, "x;y;z;intensity\n0;0;1;17\n0;1;nan;18\n")?;
+//!
+//! let scan = pc_io::read(&text, &ReadOptions::default())?;
+//! assert_eq!((scan.report.format, scan.report.points, scan.report.non_finite), (Format::Csv, 2, 1));
+//! let Content::Cloud(cloud) = scan.content else { panic!("no triangles here") };
+//! assert_eq!(cloud.attributes().scalar("intensity"), Some([17.0, 18.0].as_slice()));
+//!
+//! let written = pc_io::write_cloud(dir.path().join("scan.ply"), &cloud, &WriteOptions::default())?;
+//! assert!(written.warnings.is_empty());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod atomic;
+mod columns;
+mod content;
+mod error;
+mod format;
+mod json;
+mod model;
+mod number;
+mod number_type;
+mod obj;
+mod off;
+mod parsed;
+mod pcd;
+mod ply;
+mod read;
+mod report;
+mod shape;
+mod source;
+mod stl;
+mod write;
+mod xyz;
+
+pub use atomic::AtomicFile;
+pub use content::{Content, Loaded};
+pub use error::{Error, Location, Place};
+pub use format::Format;
+pub use mesh_core;
+pub use model::{Model, Shape};
+pub use nurbs_core;
+pub(crate) use read::not_points;
+pub use read::{read, read_bytes, read_cloud, read_mesh, read_model};
+pub use report::{ReadOptions, ReadReport, WriteOptions, WriteReport};
+pub use write::{write, write_cloud, write_mesh, write_model};

@@ -1,0 +1,212 @@
+//! A bounding volume hierarchy over boxes, as a flat array.
+
+use nalgebra::Point3;
+
+/// Most items of a leaf.
+const LEAF_SIZE: usize = 4;
+/// Bins along the longest axis in which splits are tried.
+const BINS: usize = 16;
+/// From this depth on nodes are split in half, so that the tree cannot degenerate into a list.
+const BINNED_DEPTH: usize = 30;
+/// Bound on the depth: a binned part and halvings of at most 2³² items.
+const MAX_DEPTH: usize = BINNED_DEPTH + 33;
+
+/// An axis-aligned box; empty when `min > max`.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Aabb {
+    pub(crate) min: [f64; 3],
+    pub(crate) max: [f64; 3],
+}
+
+impl Aabb {
+    pub(crate) const EMPTY: Self = Self { min: [f64::INFINITY; 3], max: [f64::NEG_INFINITY; 3] };
+
+    pub(crate) fn of_points(points: &[Point3<f64>]) -> Self {
+        points.iter().fold(Self::EMPTY, |bounds, point| {
+            bounds.union(&Self { min: point.coords.into(), max: point.coords.into() })
+        })
+    }
+
+    fn union(&self, other: &Self) -> Self {
+        let mut union = *self;
+        for axis in 0..3 {
+            union.min[axis] = union.min[axis].min(other.min[axis]);
+            union.max[axis] = union.max[axis].max(other.max[axis]);
+        }
+        union
+    }
+
+    fn centre(&self, axis: usize) -> f64 {
+        0.5 * self.min[axis] + 0.5 * self.max[axis]
+    }
+
+    fn half_area(&self) -> f64 {
+        let [x, y, z] = [0, 1, 2].map(|axis| (self.max[axis] - self.min[axis]).max(0.0));
+        x * y + y * z + z * x
+    }
+
+    /// Squared distance from a point, 0 inside.
+    fn distance_sq(&self, x: &Point3<f64>) -> f64 {
+        let mut sum = 0.0;
+        for axis in 0..3 {
+            let outside = (self.min[axis] - x[axis]).max(x[axis] - self.max[axis]).max(0.0);
+            sum += outside * outside;
+        }
+        sum
+    }
+}
+
+/// `count > 0`: a leaf with the items `order[first..first + count]`; else a node with children `first`, `first + 1`.
+#[derive(Debug, Clone, Copy)]
+struct Node {
+    bounds: Aabb,
+    first: usize,
+    count: usize,
+}
+
+/// The hierarchy. Items are addressed by their place in `order`.
+#[derive(Debug, Clone)]
+pub(crate) struct Bvh {
+    nodes: Vec<Node>,
+    /// Item at each place.
+    pub(crate) order: Vec<u32>,
+}
+
+impl Bvh {
+    /// Builds the hierarchy over `boxes`, item `i` having the box `boxes[i]`. There must be one, and all must be finite.
+    pub(crate) fn new(boxes: &[Aabb]) -> Self {
+        let mut order: Vec<u32> = (0u32..).take(boxes.len()).collect();
+        let mut nodes = Vec::with_capacity(boxes.len() / 2 + 1);
+        nodes.push(Node { bounds: Aabb::EMPTY, first: 0, count: 0 });
+        let mut open = vec![(0usize, 0usize, boxes.len(), 0usize)];
+        while let Some((node, start, end, depth)) = open.pop() {
+            let items = &mut order[start..end];
+            let bounds = items.iter().fold(Aabb::EMPTY, |sum, &item| sum.union(&boxes[item as usize]));
+            nodes[node] = if items.len() > LEAF_SIZE {
+                let middle = start + split(items, boxes, &bounds, depth);
+                let child = nodes.len();
+                nodes.extend([Node { bounds: Aabb::EMPTY, first: 0, count: 0 }; 2]);
+                open.push((child + 1, middle, end, depth + 1));
+                open.push((child, start, middle, depth + 1));
+                Node { bounds, first: child, count: 0 }
+            } else {
+                Node { bounds, first: start, count: items.len() }
+            };
+        }
+        Self { nodes, order }
+    }
+
+    /// Visits the places of items, nearest boxes first, as long as their boxes are not farther than the squared
+    /// distance that `visit` returned last (it starts at infinity).
+    #[inline]
+    pub(crate) fn nearest(&self, x: &Point3<f64>, mut visit: impl FnMut(usize) -> f64) {
+        let mut limit = f64::INFINITY;
+        let mut stack = [(0usize, 0.0f64); MAX_DEPTH + 1];
+        let mut depth = 1;
+        while depth > 0 {
+            depth -= 1;
+            let (index, distance_sq) = stack[depth];
+            if distance_sq > limit {
+                continue;
+            }
+            let mut node = &self.nodes[index];
+            while node.count == 0 {
+                let children = &self.nodes[node.first..node.first + 2];
+                let distances = [children[0].bounds.distance_sq(x), children[1].bounds.distance_sq(x)];
+                let near = usize::from(distances[1] < distances[0]);
+                if distances[1 - near] <= limit {
+                    stack[depth] = (node.first + 1 - near, distances[1 - near]);
+                    depth += 1;
+                }
+                if distances[near] > limit {
+                    break;
+                }
+                node = &children[near];
+            }
+            for place in node.first..node.first + node.count {
+                limit = visit(place);
+            }
+        }
+    }
+}
+
+/// Reorders the items and returns where the right part begins; neither part is empty.
+fn split(items: &mut [u32], boxes: &[Aabb], bounds: &Aabb, depth: usize) -> usize {
+    let mut centres = Aabb::EMPTY;
+    for &item in items.iter() {
+        let middle = [0, 1, 2].map(|axis| boxes[item as usize].centre(axis));
+        centres = centres.union(&Aabb { min: middle, max: middle });
+    }
+    let extent = |axis: usize| centres.max[axis] - centres.min[axis];
+    let axis = (1..3).fold(0, |best, axis| if extent(axis) > extent(best) { axis } else { best });
+    let half = items.len() / 2;
+    let binned = if depth < BINNED_DEPTH && extent(axis) > 0.0 && extent(axis).is_finite() {
+        binned_split(items, boxes, &centres, bounds, axis)
+    } else {
+        None
+    };
+    binned.unwrap_or_else(|| {
+        items.select_nth_unstable_by(half, |&one, &other| {
+            let [one_centre, other_centre] = [one, other].map(|item| boxes[item as usize].centre(axis));
+            one_centre.total_cmp(&other_centre).then(one.cmp(&other))
+        });
+        half
+    })
+}
+
+/// The split between bins of least expected cost (surface area × items); `None` if everything falls on one side.
+fn binned_split(
+    items: &mut [u32],
+    boxes: &[Aabb],
+    centres: &Aabb,
+    bounds: &Aabb,
+    axis: usize,
+) -> Option<usize> {
+    let scale = BINS as f64 / (centres.max[axis] - centres.min[axis]);
+    let bin_of = |item: u32| {
+        let position = (boxes[item as usize].centre(axis) - centres.min[axis]) * scale;
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "the bin is the integer part"
+        )]
+        (position as usize).min(BINS - 1)
+    };
+    let mut bins = [(Aabb::EMPTY, 0usize); BINS];
+    for &item in items.iter() {
+        let bin = &mut bins[bin_of(item)];
+        *bin = (bin.0.union(&boxes[item as usize]), bin.1 + 1);
+    }
+    let mut right_costs = [0.0; BINS];
+    let mut right = (Aabb::EMPTY, 0usize);
+    for bin in (1..BINS).rev() {
+        right = (right.0.union(&bins[bin].0), right.1 + bins[bin].1);
+        right_costs[bin] = right.0.half_area() * right.1 as f64;
+    }
+    let mut left = (Aabb::EMPTY, 0usize);
+    let mut best = (f64::INFINITY, 0);
+    for bin in 1..BINS {
+        left = (left.0.union(&bins[bin - 1].0), left.1 + bins[bin - 1].1);
+        let cost = left.0.half_area() * left.1 as f64 + right_costs[bin];
+        if left.1 > 0 && left.1 < items.len() && cost < best.0 {
+            best = (cost, bin);
+        }
+    }
+    // Where boxes are so large that no split pays, halving still serves the query better than a long leaf.
+    if best.1 == 0 || best.0 >= bounds.half_area() * items.len() as f64 {
+        return None;
+    }
+    Some(partition(items, |item| bin_of(item) < best.1))
+}
+
+/// Moves the items that satisfy the predicate to the front and returns their number.
+fn partition(items: &mut [u32], is_left: impl Fn(u32) -> bool) -> usize {
+    let mut left = 0;
+    for index in 0..items.len() {
+        if is_left(items[index]) {
+            items.swap(left, index);
+            left += 1;
+        }
+    }
+    left
+}

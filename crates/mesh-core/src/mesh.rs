@@ -1,0 +1,213 @@
+//! Triangle meshes.
+
+use nalgebra::{Point3, Vector3};
+
+use crate::bounds::is_finite;
+use crate::triangle::Triangle;
+use crate::{Attributes, BoundingBox, Error, MeshTopology, PointCloud, VertexWelder};
+
+/// Triangles over shared vertices, with attributes per vertex.
+///
+/// Every index refers to a vertex; the constructor sees to it. Nothing else is promised: triangles may be
+/// degenerate, vertices unused or not finite, the surface open or tangled ([`TriangleMesh::topology`] tells).
+#[derive(Debug, Clone, PartialEq)]
+pub struct TriangleMesh {
+    vertices: PointCloud,
+    triangles: Vec<[u32; 3]>,
+}
+
+impl TriangleMesh {
+    /// A mesh without attributes.
+    ///
+    /// # Errors
+    /// [`Error::VertexIndex`] for a triangle that refers to a missing vertex, [`Error::TooMany`] beyond 32-bit indices.
+    pub fn new(vertices: Vec<Point3<f64>>, triangles: Vec<[u32; 3]>) -> Result<Self, Error> {
+        Self::from_cloud(PointCloud::new(vertices), triangles)
+    }
+
+    /// A mesh over the points of a cloud, whose attributes it takes over.
+    ///
+    /// # Errors
+    /// As [`TriangleMesh::new`].
+    pub fn from_cloud(vertices: PointCloud, triangles: Vec<[u32; 3]>) -> Result<Self, Error> {
+        for (what, count) in [("vertices", vertices.len()), ("triangles", triangles.len())] {
+            // The largest index is kept free to mean "none".
+            if u32::try_from(count).is_err() {
+                return Err(Error::TooMany { what, count });
+            }
+        }
+        for (triangle, corners) in triangles.iter().enumerate() {
+            for (corner, &index) in corners.iter().enumerate() {
+                if index as usize >= vertices.len() {
+                    return Err(Error::VertexIndex { triangle, corner, index, vertices: vertices.len() });
+                }
+            }
+        }
+        Ok(Self { vertices, triangles })
+    }
+
+    /// Replaces all vertex attributes.
+    ///
+    /// # Errors
+    /// [`Error::AttributeLength`] if an attribute has not one value per vertex.
+    pub fn with_attributes(self, attributes: Attributes) -> Result<Self, Error> {
+        Ok(Self { vertices: self.vertices.with_attributes(attributes)?, triangles: self.triangles })
+    }
+
+    /// The vertices.
+    #[must_use]
+    pub fn vertices(&self) -> &[Point3<f64>] {
+        self.vertices.positions()
+    }
+
+    /// Vertex indices of the triangles; counter-clockwise seen from outside in well-kept files.
+    #[must_use]
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// The attributes of the vertices.
+    #[must_use]
+    pub const fn attributes(&self) -> &Attributes {
+        self.vertices.attributes()
+    }
+
+    /// The vertices with their attributes.
+    #[must_use]
+    pub const fn cloud(&self) -> &PointCloud {
+        &self.vertices
+    }
+
+    /// Vertices and triangles, taken apart.
+    #[must_use]
+    pub fn into_parts(self) -> (PointCloud, Vec<[u32; 3]>) {
+        (self.vertices, self.triangles)
+    }
+
+    /// Positions of the three corners of a triangle, if it exists.
+    #[must_use]
+    pub fn corners(&self, triangle: usize) -> Option<[Point3<f64>; 3]> {
+        self.triangles.get(triangle).map(|corners| self.positions_of(corners))
+    }
+
+    /// The smallest box around the vertices with finite coordinates; `None` if there is none.
+    #[must_use]
+    pub fn bounding_box(&self) -> Option<BoundingBox> {
+        self.vertices.bounding_box()
+    }
+
+    /// Number of vertices with a coordinate that is NaN or infinite.
+    #[must_use]
+    pub fn count_non_finite(&self) -> usize {
+        self.vertices.count_non_finite()
+    }
+
+    /// Drops the vertices that are not finite and the triangles that use them; returns the number of vertices dropped.
+    pub fn retain_finite(&mut self) -> usize {
+        let mut renumbered = Vec::with_capacity(self.vertices.len());
+        let mut next = 0u32;
+        for vertex in self.vertices.positions() {
+            let keep = is_finite(vertex);
+            renumbered.push(keep.then_some(next));
+            next += u32::from(keep);
+        }
+        let dropped = self.vertices.retain_finite();
+        if dropped > 0 {
+            let corner = |index: u32| renumbered.get(index as usize).copied().flatten();
+            self.triangles = (self.triangles.iter())
+                .filter_map(|&[a, b, c]| Some([corner(a)?, corner(b)?, corner(c)?]))
+                .collect();
+        }
+        dropped
+    }
+
+    /// For every vertex the first vertex at exactly the same position (itself where there is none before it).
+    ///
+    /// Files without shared vertices, such as STL, and files that repeat vertices for the sake of normals or texture
+    /// become connected when triangles are read through this map. Zeros of either sign are the same position.
+    #[must_use]
+    pub fn coincident_vertices(&self) -> Vec<u32> {
+        let mut welder = VertexWelder::with_capacity(self.vertices.len());
+        let mut first = Vec::with_capacity(self.vertices.len());
+        (self.vertices().iter().zip(0u32..))
+            .map(|(&vertex, index)| {
+                // There are no more positions than vertices, whose number was checked.
+                let number = welder.insert(vertex).map_or(first.len(), |number| number as usize);
+                if number == first.len() {
+                    first.push(index);
+                }
+                first[number]
+            })
+            .collect()
+    }
+
+    /// Edges of the mesh as its indices have it.
+    #[must_use]
+    pub fn topology(&self) -> MeshTopology {
+        MeshTopology::of(&self.triangles)
+    }
+
+    /// Edges of the mesh when vertices at exactly the same position count as one.
+    #[must_use]
+    pub fn welded_topology(&self) -> MeshTopology {
+        MeshTopology::of(&self.welded_triangles())
+    }
+
+    /// The triangles with every vertex replaced by the first one at the same position.
+    pub(crate) fn welded_triangles(&self) -> Vec<[u32; 3]> {
+        let welded = self.coincident_vertices();
+        self.triangles.iter().map(|corners| corners.map(|index| welded[index as usize])).collect()
+    }
+
+    /// Sum of the areas of the triangles.
+    #[must_use]
+    pub fn area(&self) -> f64 {
+        self.area_vectors().map(|vector| 0.5 * vector.norm()).sum()
+    }
+
+    /// Enclosed volume; negative where the triangles are oriented inwards. Meaningful for closed meshes only.
+    #[must_use]
+    pub fn signed_volume(&self) -> f64 {
+        // Relative to the centre, so that coordinates far from the origin cost no digits.
+        let centre = self.bounding_box().map_or_else(Point3::origin, |bounds| bounds.centre());
+        (self.triangles.iter().map(|corners| self.positions_of(corners)))
+            .map(|[a, b, c]| (a - centre).dot(&(b - centre).cross(&(c - centre))) / 6.0)
+            .sum()
+    }
+
+    fn area_vectors(&self) -> impl Iterator<Item = Vector3<f64>> {
+        self.triangles.iter().map(|corners| Triangle(self.positions_of(corners)).area_vector())
+    }
+
+    fn positions_of(&self, corners: &[u32; 3]) -> [Point3<f64>; 3] {
+        corners.map(|index| self.vertices()[index as usize])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn welds_by_position_alone() {
+        let p = |x: f64, y: f64| Point3::new(x, y, 0.0);
+        let mesh = TriangleMesh::new(
+            vec![p(0.0, 0.0), p(1.0, 0.0), p(0.0, 1.0), p(1.0, -0.0), p(1.0, 1.0), p(-0.0, 1.0)],
+            vec![[0, 1, 2], [3, 4, 5]],
+        )
+        .unwrap();
+        assert_eq!(mesh.coincident_vertices(), [0, 1, 2, 1, 4, 2]);
+        assert_eq!(mesh.topology().boundary_edges, 6);
+        assert_eq!(mesh.welded_topology().boundary_edges, 4);
+        assert_eq!(mesh.area(), 1.0);
+    }
+
+    #[test]
+    fn drops_triangles_of_vertices_that_are_not_finite() {
+        let mut vertices = vec![Point3::origin(); 5];
+        vertices[1].x = f64::NAN;
+        let mut mesh = TriangleMesh::new(vertices, vec![[0, 1, 2], [2, 3, 4]]).unwrap();
+        assert_eq!(mesh.retain_finite(), 1);
+        assert_eq!((mesh.vertices().len(), mesh.triangles()), (4, [[1, 2, 3]].as_slice()));
+    }
+}

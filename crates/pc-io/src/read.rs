@@ -1,0 +1,123 @@
+//! Reading files of any format.
+
+use std::borrow::Cow;
+use std::fs::{self, File};
+use std::io::Read;
+use std::path::Path;
+
+use mesh_core::{PointCloud, TriangleMesh};
+
+use crate::columns::NotPoints;
+use crate::content::{Content, Loaded};
+use crate::format::recognise;
+use crate::parsed::CloudOrMesh;
+use crate::source::{Source, decode_text};
+use crate::{Error, Format, Model, Place, ReadOptions, json, obj, off, pcd, ply, stl, xyz};
+
+/// Reads a file, its format recognised by the content first and the extension second.
+///
+/// # Errors
+/// [`Error::Io`] if the file cannot be read; otherwise whatever is wrong with its content, with line or byte.
+pub fn read(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Loaded<Content>, Error> {
+    read_as(path.as_ref(), options, Ok)
+}
+
+/// Reads points; of a mesh its vertices.
+///
+/// # Errors
+/// As [`read`], and [`Error::WrongContent`] for NURBS.
+pub fn read_cloud(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Loaded<PointCloud>, Error> {
+    read_as(path.as_ref(), options, Content::into_cloud)
+}
+
+/// Reads a triangle mesh.
+///
+/// # Errors
+/// As [`read`], and [`Error::WrongContent`] for files without triangles.
+pub fn read_mesh(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Loaded<TriangleMesh>, Error> {
+    read_as(path.as_ref(), options, Content::into_mesh)
+}
+
+/// Reads NURBS curves and surfaces.
+///
+/// # Errors
+/// As [`read`], and [`Error::WrongContent`] for clouds and meshes.
+pub fn read_model(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Loaded<Model>, Error> {
+    read_as(path.as_ref(), options, Content::into_model)
+}
+
+fn read_as<T>(
+    path: &Path,
+    options: &ReadOptions,
+    take: fn(Content) -> Result<T, Error>,
+) -> Result<Loaded<T>, Error> {
+    let data =
+        read_file(path).map_err(|source| Error::Io { path: path.to_path_buf(), action: "read", source })?;
+    let Loaded { content, mut report } =
+        read_bytes(&data, Format::from_path(path), options).map_err(|error| error.in_file(path))?;
+    report.path = Some(path.to_path_buf());
+    Ok(Loaded { content: take(content).map_err(|error| error.in_file(path))?, report })
+}
+
+fn read_file(path: &Path) -> std::io::Result<Vec<u8>> {
+    // A folder can be opened on some systems, and the message about reading it is odd.
+    if fs::metadata(path)?.is_dir() {
+        return Err(std::io::ErrorKind::IsADirectory.into());
+    }
+    let mut file = File::open(path)?;
+    let mut data = Vec::new();
+    file.read_to_end(&mut data)?;
+    Ok(data)
+}
+
+/// Reads bytes; `hint` is the format that a file name would suggest.
+///
+/// # Errors
+/// Whatever is wrong with the content, with line or byte but without a file.
+pub fn read_bytes(
+    data: &[u8],
+    hint: Option<Format>,
+    options: &ReadOptions,
+) -> Result<Loaded<Content>, Error> {
+    let data = if stl::is_binary(data) { Cow::Borrowed(data) } else { decode_text(data) };
+    let source = Source { data: &data };
+    let format = match options.format {
+        Some(format) => format,
+        None => recognise(source, hint)?,
+    };
+    let parsed = match format {
+        Format::Ply => ply::read(source)?,
+        Format::Xyz | Format::Csv | Format::Pts => xyz::read(source)?,
+        Format::Obj => obj::read(source)?,
+        Format::Stl => stl::read(source)?,
+        Format::Off => off::read(source)?,
+        Format::Pcd => pcd::read(source)?,
+        Format::Json => {
+            let content = Content::Nurbs(json::read(source)?);
+            return Ok(content.into_loaded(Format::Json, Vec::new(), options.drop_non_finite));
+        }
+    };
+    let (shape, format, mut warnings) = parsed.into_shape()?;
+    if let Some(hint) = hint.filter(|hint| *hint != format && !(hint.is_table() && format.is_table())) {
+        warnings.push(format!("the name suggests {hint}, but the content is {format}"));
+    }
+    let content = match shape {
+        CloudOrMesh::Cloud(cloud) => Content::Cloud(cloud),
+        CloudOrMesh::Mesh(mesh) => Content::Mesh(mesh),
+    };
+    Ok(content.into_loaded(format, warnings, options.drop_non_finite))
+}
+
+/// Says that columns are no points.
+pub(crate) fn not_points(reason: NotPoints) -> Error {
+    let advice = "name the columns of the coordinates x, y and z, each once";
+    match reason {
+        NotPoints::Missing(name) => {
+            Error::malformed(Place::Whole, format!("no column is named {name}"), advice)
+        }
+        NotPoints::Twice(name) => {
+            Error::malformed(Place::Whole, format!("several columns are named {name}"), advice)
+        }
+        NotPoints::Shape(error) => Error::shape(error),
+    }
+}

@@ -1,0 +1,150 @@
+//! What was read and written.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use crate::Format;
+
+/// How files are read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct ReadOptions {
+    /// Whether points with a coordinate that is NaN or infinite are dropped, together with the triangles that use
+    /// them. Default: no, they are counted and kept.
+    pub drop_non_finite: bool,
+    /// The format, if it is not to be recognised. Default: none.
+    pub format: Option<Format>,
+}
+
+impl ReadOptions {
+    /// Sets whether points that are not finite are dropped.
+    #[must_use]
+    pub const fn with_drop_non_finite(mut self, drop: bool) -> Self {
+        self.drop_non_finite = drop;
+        self
+    }
+
+    /// Sets the format instead of recognising it.
+    #[must_use]
+    pub const fn with_format(mut self, format: Format) -> Self {
+        self.format = Some(format);
+        self
+    }
+}
+
+/// How files are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct WriteOptions {
+    /// Whether PLY is written as text. Default: no, as binary.
+    pub ascii: bool,
+    /// The format, if the extension does not tell. Default: none.
+    pub format: Option<Format>,
+}
+
+impl WriteOptions {
+    /// Sets whether PLY is written as text.
+    #[must_use]
+    pub const fn with_ascii(mut self, ascii: bool) -> Self {
+        self.ascii = ascii;
+        self
+    }
+
+    /// Sets the format, whatever the extension says.
+    #[must_use]
+    pub const fn with_format(mut self, format: Format) -> Self {
+        self.format = Some(format);
+        self
+    }
+}
+
+/// What a file was found to hold.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[must_use]
+pub struct ReadReport {
+    /// The file, where the bytes came from one.
+    pub path: Option<PathBuf>,
+    /// Its format.
+    pub format: Format,
+    /// Points or vertices in the file.
+    pub points: usize,
+    /// Triangles in the file, polygons counting as the triangles they were split into.
+    pub triangles: usize,
+    /// NURBS curves and surfaces in the file.
+    pub shapes: usize,
+    /// Points with a coordinate that is NaN or infinite.
+    pub non_finite: usize,
+    /// How many of those were dropped: all or none.
+    pub dropped: usize,
+    /// What the reader had to decide, leave out or doubt.
+    pub warnings: Vec<String>,
+}
+
+impl fmt::Display for ReadReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(path) = &self.path {
+            write!(f, "{}: ", path.display())?;
+        }
+        write_counts(f, self.format, self.points, self.triangles, self.shapes)?;
+        if self.non_finite > 0 {
+            let fate = if self.dropped > 0 { "dropped" } else { "kept" };
+            write!(f, ", {} points are not finite ({fate})", self.non_finite)?;
+        }
+        write_warnings(f, &self.warnings)
+    }
+}
+
+/// What was written.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[must_use]
+pub struct WriteReport {
+    /// The file.
+    pub path: PathBuf,
+    /// Its format.
+    pub format: Format,
+    /// Points or vertices written.
+    pub points: usize,
+    /// Triangles written.
+    pub triangles: usize,
+    /// NURBS curves and surfaces written.
+    pub shapes: usize,
+    /// Size of the file in bytes.
+    pub bytes: u64,
+    /// What the format could not hold.
+    pub warnings: Vec<String>,
+}
+
+impl fmt::Display for WriteReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: ", self.path.display())?;
+        write_counts(f, self.format, self.points, self.triangles, self.shapes)?;
+        write!(f, ", {} bytes", self.bytes)?;
+        write_warnings(f, &self.warnings)
+    }
+}
+
+fn write_counts(
+    f: &mut fmt::Formatter<'_>,
+    format: Format,
+    points: usize,
+    triangles: usize,
+    shapes: usize,
+) -> fmt::Result {
+    write!(f, "{format}")?;
+    if shapes > 0 {
+        return write!(f, ", {shapes} NURBS shapes");
+    }
+    write!(f, ", {points} points")?;
+    if triangles > 0 {
+        write!(f, ", {triangles} triangles")?;
+    }
+    Ok(())
+}
+
+fn write_warnings(f: &mut fmt::Formatter<'_>, warnings: &[String]) -> fmt::Result {
+    match warnings {
+        [] => Ok(()),
+        [warning] => write!(f, "; warning: {warning}"),
+        _ => write!(f, "; warnings: {}", warnings.join("; ")),
+    }
+}

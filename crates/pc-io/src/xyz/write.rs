@@ -1,0 +1,93 @@
+//! Writing tables.
+
+use std::io::{self, Write};
+
+use crate::number;
+use crate::shape::{Keeps, Shape};
+
+const KEEPS: Keeps =
+    Keeps { normals: true, colours: true, opacity: true, scalars: true, triangles: false, plane: true };
+
+/// Writes a header line and rows separated by commas.
+pub(crate) fn write_csv(out: &mut dyn Write, shape: Shape<'_>, warnings: &mut Vec<String>) -> io::Result<()> {
+    shape.warn_of_loss(KEEPS, warnings);
+    writeln!(out, "{}", names(shape, warnings).join(","))?;
+    write_rows(out, shape, ",")
+}
+
+/// Writes rows separated by blanks, under a comment with the names where there is more than coordinates.
+pub(crate) fn write_xyz(out: &mut dyn Write, shape: Shape<'_>, warnings: &mut Vec<String>) -> io::Result<()> {
+    shape.warn_of_loss(KEEPS, warnings);
+    if !shape.attributes().is_empty() || shape.positions().is_empty() {
+        writeln!(out, "# {}", names(shape, warnings).join(" "))?;
+    }
+    write_rows(out, shape, " ")
+}
+
+/// Writes the count and rows x y z \[intensity\] \[r g b\].
+pub(crate) fn write_pts(out: &mut dyn Write, shape: Shape<'_>, warnings: &mut Vec<String>) -> io::Result<()> {
+    let attributes = shape.attributes();
+    shape.warn_of_loss(Keeps { normals: false, opacity: false, plane: false, ..KEEPS }, warnings);
+    let lost: Vec<_> = (attributes.scalars().iter())
+        .filter(|field| field.name != "intensity")
+        .map(|field| format!("scalar {:?}", field.name))
+        .collect();
+    if !lost.is_empty() {
+        warnings.push(format!("the format cannot hold and lost: {}", lost.join(", ")));
+    }
+    writeln!(out, "{}", shape.positions().len())?;
+    let intensity = attributes.scalar("intensity");
+    for (index, point) in shape.positions().iter().enumerate() {
+        write_numbers(out, point.coords.as_slice(), " ", true)?;
+        if let Some(values) = intensity {
+            write_numbers(out, &values[index..=index], " ", false)?;
+        }
+        if let Some([r, g, b, _]) = shape.colours().and_then(|colours| colours.rgba(index)) {
+            write!(out, " {r} {g} {b}")?;
+        }
+        out.write_all(b"\n")?;
+    }
+    Ok(())
+}
+
+fn names(shape: Shape<'_>, warnings: &mut Vec<String>) -> Vec<String> {
+    let normals = if shape.normals().is_some() { ["nx", "ny", "nz"].as_slice() } else { &[] };
+    let colours = match shape.colours() {
+        Some(colours) if colours.has_alpha() => ["r", "g", "b", "a"].as_slice(),
+        Some(_) => &["r", "g", "b"],
+        None => &[],
+    };
+    let fixed = shape.axes().iter().chain(normals).chain(colours).map(|&name| name.to_owned());
+    fixed.chain(shape.scalar_names(warnings)).collect()
+}
+
+fn write_rows(out: &mut dyn Write, shape: Shape<'_>, separator: &str) -> io::Result<()> {
+    for (index, point) in shape.positions().iter().enumerate() {
+        write_numbers(out, &point.coords.as_slice()[..shape.cloud.dimension()], separator, true)?;
+        if let Some(normal) = shape.normals().and_then(|normals| normals.get(index)) {
+            write_numbers(out, normal.as_slice(), separator, false)?;
+        }
+        if let Some((colours, rgba)) =
+            shape.colours().and_then(|colours| Some((colours, colours.rgba(index)?)))
+        {
+            for channel in &rgba[..if colours.has_alpha() { 4 } else { 3 }] {
+                write!(out, "{separator}{channel}")?;
+            }
+        }
+        for field in shape.attributes().scalars() {
+            write_numbers(out, &field.values[index..=index], separator, false)?;
+        }
+        out.write_all(b"\n")?;
+    }
+    Ok(())
+}
+
+fn write_numbers(out: &mut dyn Write, values: &[f64], separator: &str, first: bool) -> io::Result<()> {
+    for (place, &value) in values.iter().enumerate() {
+        if !(first && place == 0) {
+            out.write_all(separator.as_bytes())?;
+        }
+        number::write(out, value)?;
+    }
+    Ok(())
+}

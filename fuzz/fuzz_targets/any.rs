@@ -1,0 +1,6 @@
+//! Arbitrary bytes, their format recognised.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|data: &[u8]| pc_io_fuzz::recognise_and_read(data));
