@@ -21,22 +21,32 @@
 pub mod basis;
 mod bezier;
 mod curve;
+mod direction;
 mod error;
+mod fit;
 #[cfg(feature = "serde")]
 mod form;
 mod interval;
 mod jet;
+mod knot_ops;
 mod knots;
+mod modify;
 mod rational;
 mod surface;
 mod traits;
 
 pub use bezier::{BezierCurve, BezierPatch};
 pub use curve::BsplineCurve;
+pub use direction::Direction;
 pub use error::Error;
+pub use fit::{
+    CurveFitOptions, Fitted, GridOptions, ParameterMethod, SurfaceFitOptions, closed_parameters,
+    grid_parameters, parameters,
+};
 pub use interval::Interval;
 pub use jet::{CurveJet, SurfaceJet};
 pub use knots::{KnotVector, MAX_DEGREE};
+pub use modify::Removal;
 pub use nalgebra;
 pub use surface::BsplineSurface;
 pub use traits::{CurveFn, ParametricCurve, ParametricSurface, SurfaceFn};
