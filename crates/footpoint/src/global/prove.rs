@@ -162,7 +162,7 @@ impl<const K: usize> PatchSet<K> {
 
     /// Where to split a box close to the model: in the middle, unless all that matters happens near one side.
     fn split_place(&self, region: &Region, d: usize, best: &Foot, index: usize, patch: &Patch) -> f64 {
-        if best.patch != index {
+        if best.patch != index || !(region.low[d]..=region.high[d]).contains(&best.local[d]) {
             return 0.5;
         }
         let at = region.local(best.local)[d];
