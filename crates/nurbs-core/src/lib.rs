@@ -22,6 +22,7 @@ pub mod basis;
 mod bezier;
 mod curve;
 mod direction;
+mod differential;
 mod error;
 mod fit;
 #[cfg(feature = "serde")]
@@ -38,6 +39,7 @@ mod traits;
 pub use bezier::{BezierCurve, BezierPatch};
 pub use curve::BsplineCurve;
 pub use direction::Direction;
+pub use differential::{FirstForm, FrenetFrame, PrincipalFrame, SecondForm};
 pub use error::Error;
 pub use fit::{
     CurveFitOptions, Fitted, GridOptions, ParameterMethod, SurfaceFitOptions, closed_parameters,
