@@ -20,6 +20,7 @@
 
 pub mod basis;
 mod bezier;
+mod bounds;
 mod curve;
 mod direction;
 mod differential;
@@ -32,11 +33,13 @@ mod jet;
 mod knot_ops;
 mod knots;
 mod modify;
+mod measure;
 mod rational;
 mod surface;
 mod traits;
 
 pub use bezier::{BezierCurve, BezierPatch};
+pub use bounds::Aabb;
 pub use curve::BsplineCurve;
 pub use direction::Direction;
 pub use differential::{FirstForm, FrenetFrame, PrincipalFrame, SecondForm};
@@ -49,6 +52,7 @@ pub use interval::Interval;
 pub use jet::{CurveJet, SurfaceJet};
 pub use knots::{KnotVector, MAX_DEGREE};
 pub use modify::Removal;
+pub use measure::{ArcLength, MEASURE_TOLERANCE, Measure, arc_length, area};
 pub use nalgebra;
 pub use surface::BsplineSurface;
 pub use traits::{CurveFn, ParametricCurve, ParametricSurface, SurfaceFn};
