@@ -18,6 +18,7 @@
 //! # Ok::<(), nurbs_core::Error>(())
 //! ```
 
+mod analytic;
 pub mod basis;
 mod bezier;
 mod bounds;
@@ -38,6 +39,10 @@ mod rational;
 mod surface;
 mod traits;
 
+pub use analytic::{
+    AnalyticSurface, Circle, Cone, CurveFoot, Cylinder, Ellipse, Frame, Line, Plane, Sphere, SurfaceFoot,
+    Torus,
+};
 pub use bezier::{BezierCurve, BezierPatch};
 pub use bounds::Aabb;
 pub use curve::BsplineCurve;
