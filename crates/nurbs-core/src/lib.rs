@@ -35,8 +35,10 @@ mod knot_ops;
 mod knots;
 mod modify;
 mod measure;
+mod offset;
 mod rational;
 mod surface;
+mod tessellate;
 mod traits;
 
 pub use analytic::{
@@ -59,5 +61,7 @@ pub use knots::{KnotVector, MAX_DEGREE};
 pub use modify::Removal;
 pub use measure::{ArcLength, MEASURE_TOLERANCE, Measure, arc_length, area};
 pub use nalgebra;
+pub use offset::{OffsetCurve, OffsetSurface, SurfaceThird, ThirdOrderCurve, ThirdOrderSurface};
 pub use surface::BsplineSurface;
+pub use tessellate::{Polyline, Tessellation, TessellationOptions};
 pub use traits::{CurveFn, ParametricCurve, ParametricSurface, SurfaceFn};
