@@ -22,6 +22,7 @@ mod analytic;
 pub mod basis;
 mod bezier;
 mod bounds;
+pub mod construct;
 mod curve;
 mod direction;
 mod differential;

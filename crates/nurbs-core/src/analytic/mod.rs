@@ -21,7 +21,9 @@ mod sphere;
 mod surface;
 mod torus;
 
-pub(crate) use revolved::is_full_turn;
+pub(crate) use arc::arc_net;
+pub(crate) use frame::{finite, positive};
+pub(crate) use revolved::{check_angles, is_full_turn};
 
 pub use circle::Circle;
 pub use cone::Cone;
