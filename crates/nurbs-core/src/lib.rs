@@ -24,8 +24,8 @@ mod bezier;
 mod bounds;
 pub mod construct;
 mod curve;
-mod direction;
 mod differential;
+mod direction;
 mod error;
 mod fit;
 #[cfg(feature = "serde")]
@@ -34,8 +34,8 @@ mod interval;
 mod jet;
 mod knot_ops;
 mod knots;
-mod modify;
 mod measure;
+mod modify;
 mod offset;
 mod rational;
 mod surface;
@@ -49,8 +49,8 @@ pub use analytic::{
 pub use bezier::{BezierCurve, BezierPatch};
 pub use bounds::Aabb;
 pub use curve::BsplineCurve;
-pub use direction::Direction;
 pub use differential::{FirstForm, FrenetFrame, PrincipalFrame, SecondForm};
+pub use direction::Direction;
 pub use error::Error;
 pub use fit::{
     CurveFitOptions, Fitted, GridOptions, ParameterMethod, SurfaceFitOptions, closed_parameters,
@@ -59,8 +59,8 @@ pub use fit::{
 pub use interval::Interval;
 pub use jet::{CurveJet, SurfaceJet};
 pub use knots::{KnotVector, MAX_DEGREE};
-pub use modify::Removal;
 pub use measure::{ArcLength, MEASURE_TOLERANCE, Measure, arc_length, area};
+pub use modify::Removal;
 pub use nalgebra;
 pub use offset::{OffsetCurve, OffsetSurface, SurfaceThird, ThirdOrderCurve, ThirdOrderSurface};
 pub use surface::BsplineSurface;

@@ -43,7 +43,8 @@ pub fn coons(
         for (j, t) in blend_v.iter().enumerate() {
             let between_u = c0[i] * (1.0 - t) + c1[i] * *t;
             let between_v = d0[j] * (1.0 - s) + d1[j] * *s;
-            let corners = (c0[0] * (1.0 - s) + c0[last] * *s) * (1.0 - t) + (c1[0] * (1.0 - s) + c1[last] * *s) * *t;
+            let corners =
+                (c0[0] * (1.0 - s) + c0[last] * *s) * (1.0 - t) + (c1[0] * (1.0 - s) + c1[last] * *s) * *t;
             let point = between_u + between_v - corners;
             points.push(point.xyz() / point.w);
             weights.push(point.w);

@@ -19,9 +19,13 @@ mod frames;
 mod helix;
 mod revolve;
 mod simple;
+mod skin;
+mod sweep;
 
 pub use coons::coons;
 pub use frames::{PathFrame, rotation_minimizing_frames};
 pub use helix::Helix;
 pub use revolve::revolve;
 pub use simple::{bilinear, extrude, ruled, translate_along};
+pub use skin::{skin, skin_at};
+pub use sweep::{Sweep, SweepOptions, sweep};

@@ -23,9 +23,8 @@ pub fn revolve(
     angle: f64,
 ) -> Result<BsplineSurface, Error> {
     let frame = Frame::from_axis(*origin, *axis)?;
-    let angles = Interval::new(0.0, angle).map_err(|_| {
-        Error::argument(format!("the angle of revolution is {angle}; it must be in (0, 2π]"))
-    })?;
+    let angles = Interval::new(0.0, angle)
+        .map_err(|_| Error::argument(format!("the angle of revolution is {angle}; it must be in (0, 2π]")))?;
     check_angles("angle of revolution", angles)?;
     let (knots_u, ring) = arc_net(angles)?;
     let size = curve.control_points().iter().map(|p| (p - origin).norm()).fold(0.0, f64::max);
