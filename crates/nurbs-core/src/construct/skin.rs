@@ -50,7 +50,7 @@ fn through(
             Vector4::new(p.x * w, p.y * w, p.z * w, w)
         };
         let column: Vec<Vector4<f64>> = sections.iter().map(lift).collect();
-        let curve = BsplineCurve::interpolate_at(&column, parameters, knots_v.clone())?;
+        let curve = BsplineCurve::interpolate_at(knots_v.clone(), parameters, &column)?;
         for p in curve.control_points() {
             points.push(p.xyz() / if rational { p.w } else { 1.0 });
             weights.push(p.w);
@@ -98,7 +98,9 @@ fn chord_parameters(sections: &[BsplineCurve<3>]) -> Result<Vec<f64>, Error> {
         *last = 1.0;
     }
     match (1..parameters.len()).find(|&k| !(parameters[k] > parameters[k - 1])) {
-        Some(k) => Err(Error::argument(format!("sections {} and {k} coincide; leave one of them out", k - 1))),
+        Some(k) => {
+            Err(Error::argument(format!("sections {} and {k} coincide; leave one of them out", k - 1)))
+        }
         None => Ok(parameters),
     }
 }

@@ -134,7 +134,11 @@ fn carried(section: &BsplineCurve<3>, from: &PathFrame, to: &PathFrame) -> Resul
 }
 
 /// At the frames of odd index: distance of the surface's section from the carried one, by control points.
-fn deviation(section: &BsplineCurve<3>, surface: &BsplineSurface, frames: &[PathFrame]) -> Result<f64, Error> {
+fn deviation(
+    section: &BsplineCurve<3>,
+    surface: &BsplineSurface,
+    frames: &[PathFrame],
+) -> Result<f64, Error> {
     let mut worst = 0.0_f64;
     let n_v = surface.n_v();
     for (i, point) in section.control_points().iter().enumerate() {
