@@ -20,6 +20,7 @@
 
 mod analytic;
 pub mod basis;
+mod bernstein;
 mod bezier;
 mod bounds;
 pub mod construct;
@@ -43,8 +44,8 @@ mod tessellate;
 mod traits;
 
 pub use analytic::{
-    AnalyticSurface, Circle, Cone, CurveFoot, Cylinder, Ellipse, Frame, Line, Plane, Sphere, SurfaceFoot,
-    Torus,
+    AnalyticSurface, Circle, Cone, CurveFoot, Cylinder, Ellipse, Frame, Helix, Line, Plane, Sphere,
+    SurfaceFoot, Torus,
 };
 pub use bezier::{BezierCurve, BezierPatch};
 pub use bounds::Aabb;

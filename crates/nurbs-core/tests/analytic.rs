@@ -1,5 +1,7 @@
 //! Analytic shapes: closest points against brute force, and the exact NURBS forms.
 
+#![allow(clippy::unwrap_used, reason = "a failed construction is a failed test")]
+
 use nalgebra::{SVector, Vector2, Vector3};
 use nurbs_core::{
     AnalyticSurface, Circle, Cone, Cylinder, Ellipse, Error, Frame, Interval, Line, ParametricCurve,
@@ -224,4 +226,16 @@ fn json_round_trip() {
     assert_eq!(serde_json::from_str::<Line<2>>(&text).unwrap(), line);
     let interval = serde_json::from_str::<Interval>(r#"{"start":2,"end":1}"#);
     assert!(interval.unwrap_err().to_string().contains("empty"));
+}
+
+#[cfg(feature = "serde")]
+#[test]
+fn knot_vectors_are_checked_on_reading() {
+    use nurbs_core::KnotVector;
+    for knots in [KnotVector::uniform_clamped(3, 7).unwrap(), KnotVector::uniform_periodic(2, 5).unwrap()] {
+        let text = serde_json::to_string(&knots).unwrap();
+        assert_eq!(serde_json::from_str::<KnotVector>(&text).unwrap(), knots);
+    }
+    let wrong = serde_json::from_str::<KnotVector>(r#"{"degree":1,"knots":[0,0,2,1]}"#).unwrap_err();
+    assert!(wrong.to_string().contains("knot 3 is smaller"), "{wrong}");
 }

@@ -1,10 +1,12 @@
 //! Constructed surfaces contain the curves they are made from, exactly where they promise it.
 
+#![allow(clippy::unwrap_used, reason = "a failed construction is a failed test")]
+
 use nalgebra::{Rotation3, Unit, Vector3};
-use nurbs_core::construct::{self, Helix, SweepOptions, rotation_minimizing_frames};
+use nurbs_core::construct::{self, SweepOptions, rotation_minimizing_frames};
 use nurbs_core::{
-    BsplineCurve, Circle, Error, Frame, Interval, KnotVector, Line, ParametricCurve, ParametricSurface,
-    ThirdOrderCurve, Torus, arc_length,
+    BsplineCurve, Circle, Error, Frame, Helix, Interval, KnotVector, Line, ParametricCurve,
+    ParametricSurface, ThirdOrderCurve, Torus, arc_length,
 };
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 

@@ -1,5 +1,7 @@
 //! Offsets against closed forms and differences.
 
+#![allow(clippy::unwrap_used, reason = "a failed construction is a failed test")]
+
 use nalgebra::{Vector2, Vector3};
 use nurbs_core::{
     BsplineCurve, BsplineSurface, Circle, Frame, KnotVector, OffsetCurve, OffsetSurface, ParametricCurve,

@@ -1,5 +1,7 @@
 //! Tessellations keep their tolerance, close where the surface closes, and have no degenerate triangles.
 
+#![allow(clippy::unwrap_used, reason = "a failed construction is a failed test")]
+
 use nalgebra::{Vector2, Vector3};
 use nurbs_core::{
     BsplineCurve, BsplineSurface, Cone, Cylinder, Error, Frame, Interval, KnotVector, ParametricCurve,

@@ -80,7 +80,7 @@ impl Cone {
         // The foot on the generator, as a fraction of the way; scaled by the height against overflow.
         let ratio = slope / height;
         let s = ((radial - self.radii[0]) * ratio + local.z) / (height * (ratio * ratio + 1.0));
-        let v = height * s.max(0.0).min(1.0);
+        let v = self.domain()[1].clamp(height * s);
         let point = self.point(u, v);
         SurfaceFoot { parameters: [u, v], point, distance: (x - point).norm() }
     }

@@ -4,8 +4,9 @@
 //! on a Bézier piece it lies between the coefficients, and its values at the corners are attained.
 //! Pieces are bisected, the most promising first, until both bounds agree.
 
+use crate::bernstein::Net;
 use crate::{Aabb, BsplineCurve, BsplineSurface};
-use nalgebra::SVector;
+use nalgebra::{SVector, Vector1};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
@@ -13,12 +14,11 @@ use std::collections::BinaryHeap;
 /// the most. The box then is a little larger than asked for, never smaller.
 const MAX_STEPS: usize = 200_000;
 
-/// One coordinate of a Bézier piece in homogeneous form: `values[i] / weights[i]`, row-major.
+/// One coordinate of a Bézier piece in homogeneous form, `values / weights`.
 #[derive(Clone, Debug)]
 struct Piece {
-    size: [usize; 2],
-    values: Vec<f64>,
-    weights: Vec<f64>,
+    values: Net<1>,
+    weights: Net<1>,
     bound: f64,
 }
 
@@ -40,31 +40,35 @@ impl Ord for Piece {
 }
 
 impl Piece {
-    fn new(size: [usize; 2], values: Vec<f64>, weights: Vec<f64>) -> Self {
-        let ratios = values.iter().zip(&weights).map(|(a, w)| a / w);
+    fn new(values: Net<1>, weights: Net<1>) -> Self {
+        let ratios = values.values().iter().zip(weights.values()).map(|(a, w)| a.x / w.x);
         let bound = ratios.fold(f64::NEG_INFINITY, f64::max);
-        Self { size, values, weights, bound }
+        Self { values, weights, bound }
+    }
+
+    fn ratio(&self, i: usize, j: usize) -> f64 {
+        self.values.at(i, j).x / self.weights.at(i, j).x
     }
 
     /// Largest value at a corner.
     fn attained(&self) -> f64 {
-        let [n, m] = self.size;
-        let at = |i: usize| self.values[i] / self.weights[i];
-        at(0).max(at(m - 1)).max(at((n - 1) * m)).max(at(n * m - 1))
+        let [p, q] = self.values.degrees();
+        self.ratio(0, 0).max(self.ratio(0, q)).max(self.ratio(p, 0)).max(self.ratio(p, q))
     }
 
     /// Largest second difference along each direction: how far the coefficients are from linear.
     fn bend(&self) -> [f64; 2] {
-        let [n, m] = self.size;
-        let ratio = |i: usize, j: usize| self.values[i * m + j] / self.weights[i * m + j];
+        let [p, q] = self.values.degrees();
+        let second = |a: f64, b: f64, c: f64| (a - 2.0 * b + c).abs();
         let mut bend = [0.0_f64; 2];
-        for i in 0..n {
-            for j in 0..m {
-                if i + 2 < n {
-                    bend[0] = bend[0].max((ratio(i, j) - 2.0 * ratio(i + 1, j) + ratio(i + 2, j)).abs());
+        for i in 0..=p {
+            for j in 0..=q {
+                let here = self.ratio(i, j);
+                if i + 2 <= p {
+                    bend[0] = bend[0].max(second(here, self.ratio(i + 1, j), self.ratio(i + 2, j)));
                 }
-                if j + 2 < m {
-                    bend[1] = bend[1].max((ratio(i, j) - 2.0 * ratio(i, j + 1) + ratio(i, j + 2)).abs());
+                if j + 2 <= q {
+                    bend[1] = bend[1].max(second(here, self.ratio(i, j + 1), self.ratio(i, j + 2)));
                 }
             }
         }
@@ -72,29 +76,14 @@ impl Piece {
     }
 
     /// The two halves, cut across the direction that bends more.
-    fn halves(&self) -> [Self; 2] {
-        let [n, m] = self.size;
+    fn halves(mut self) -> [Self; 2] {
+        let [p, q] = self.values.degrees();
         let [bend_u, bend_v] = self.bend();
-        // Bilinear with different weights: no second difference, yet the bound may not be attained.
-        let along_u = if bend_u == bend_v { n >= m } else { bend_u > bend_v };
-        let (count, stride, lines, step) = if along_u { (n, m, m, 1) } else { (m, 1, n, m) };
-        let split = |from: &[f64]| {
-            let (mut left, mut right) = (from.to_vec(), from.to_vec());
-            for line in 0..lines {
-                let at = |k: usize| line * step + k * stride;
-                for level in 1..count {
-                    for k in 0..count - level {
-                        right[at(k)] = 0.5 * (right[at(k)] + right[at(k + 1)]);
-                    }
-                    left[at(level)] = right[at(0)];
-                }
-            }
-            (left, right)
-        };
-        // De Casteljau in place leaves the right half, its front entries in turn form the left one.
-        let (left, right) = split(&self.values);
-        let (left_w, right_w) = split(&self.weights);
-        [Self::new(self.size, left, left_w), Self::new(self.size, right, right_w)]
+        // No second difference: the bound may not be attained yet, when weights differ.
+        let along_u = if bend_u == bend_v { p >= q } else { bend_u > bend_v };
+        let left = self.values.split(along_u, 0.5);
+        let left_weights = self.weights.split(along_u, 0.5);
+        [Self::new(left, left_weights), Self::new(self.values, self.weights)]
     }
 }
 
@@ -116,7 +105,7 @@ fn maximum(pieces: Vec<Piece>, tolerance: f64) -> f64 {
     attained
 }
 
-/// One Bézier piece of a shape: numbers of rows and columns, points, weights.
+/// One Bézier piece of a shape: degrees, points, weights.
 type Bezier<const D: usize> = ([usize; 2], Vec<SVector<f64, D>>, Option<Vec<f64>>);
 
 fn tight_box<const D: usize>(pieces: &[Bezier<D>], relative_tolerance: f64) -> Option<Aabb<D>> {
@@ -125,10 +114,12 @@ fn tight_box<const D: usize>(pieces: &[Bezier<D>], relative_tolerance: f64) -> O
     // Values relative to the middle of the hull, so that far-off coordinates lose nothing.
     let centre = hull.centre();
     let side = |k: usize, sign: f64| {
-        let scalar = |(size, points, weights): &Bezier<D>| {
+        let scalar = |(degrees, points, weights): &Bezier<D>| {
             let weights = weights.clone().unwrap_or_else(|| vec![1.0; points.len()]);
-            let values = points.iter().zip(&weights).map(|(p, w)| sign * (p[k] - centre[k]) * w).collect();
-            Piece::new(*size, values, weights)
+            let values = points.iter().zip(&weights).map(|(p, w)| sign * (p[k] - centre[k]) * w);
+            let values = values.map(Vector1::new).collect();
+            let weights = weights.iter().map(|w| Vector1::new(*w)).collect();
+            Piece::new(Net::new(*degrees, values), Net::new(*degrees, weights))
         };
         centre[k] + sign * maximum(pieces.iter().map(scalar).collect(), tolerance)
     };
@@ -154,7 +145,7 @@ impl<const D: usize> BsplineCurve<D> {
         let pieces: Vec<_> = self
             .bezier_curves()
             .into_iter()
-            .map(|c| ([1, c.control_points.len()], c.control_points, c.weights))
+            .map(|c| ([0, c.control_points.len() - 1], c.control_points, c.weights))
             .collect();
         tight_box(&pieces, relative_tolerance).unwrap_or_else(|| self.control_box())
     }
@@ -172,11 +163,8 @@ impl BsplineSurface {
     /// more than `relative_tolerance` (1e-9, say) of the diagonal of the control net's box.
     #[must_use]
     pub fn bounding_box(&self, relative_tolerance: f64) -> Aabb<3> {
-        let pieces: Vec<_> = self
-            .bezier_patches()
-            .into_iter()
-            .map(|p| ([p.degrees[0] + 1, p.degrees[1] + 1], p.control_points, p.weights))
-            .collect();
+        let pieces: Vec<_> =
+            self.bezier_patches().into_iter().map(|p| (p.degrees, p.control_points, p.weights)).collect();
         tight_box(&pieces, relative_tolerance).unwrap_or_else(|| self.control_box())
     }
 }

@@ -70,7 +70,8 @@ fn check_corners(
         for (i, corner) in ends(curve).into_iter().enumerate() {
             let other = ends(along_v[i])[j];
             let gap = (corner - other).norm();
-            if !(gap <= abs_tolerance) {
+            // A tolerance of NaN accepts nothing.
+            if gap > abs_tolerance || abs_tolerance.is_nan() {
                 return Err(Error::Incompatible {
                     what: format!(
                         "the boundary curves do not meet at the corner u = {i}, v = {j}: the curve along u \

@@ -16,7 +16,6 @@
 mod compatible;
 mod coons;
 mod frames;
-mod helix;
 mod revolve;
 mod simple;
 mod skin;
@@ -24,7 +23,6 @@ mod sweep;
 
 pub use coons::coons;
 pub use frames::{PathFrame, rotation_minimizing_frames};
-pub use helix::Helix;
 pub use revolve::revolve;
 pub use simple::{bilinear, extrude, ruled, translate_along};
 pub use skin::{skin, skin_at};

@@ -97,7 +97,7 @@ fn chord_parameters(sections: &[BsplineCurve<3>]) -> Result<Vec<f64>, Error> {
     if let Some(last) = parameters.last_mut() {
         *last = 1.0;
     }
-    match (1..parameters.len()).find(|&k| !(parameters[k] > parameters[k - 1])) {
+    match (1..parameters.len()).find(|&k| parameters[k] <= parameters[k - 1] || parameters[k].is_nan()) {
         Some(k) => {
             Err(Error::argument(format!("sections {} and {k} coincide; leave one of them out", k - 1)))
         }

@@ -64,9 +64,9 @@ pub struct Sweep {
 /// twice as many until what is in between is within the tolerance.
 ///
 /// ```
-/// # use nurbs_core::{construct, Circle, Frame, ParametricSurface};
+/// # use nurbs_core::{construct, Circle, Frame, Helix};
 /// # use nalgebra::Vector3;
-/// # use construct::{Helix, SweepOptions, sweep};
+/// # use construct::{SweepOptions, sweep};
 /// let path = Helix::new(Frame::WORLD, 10.0, 4.0, 1.0)?;
 /// let place = Frame::new(Vector3::new(10.0, 0.0, 0.0), Vector3::y(), Vector3::x())?;
 /// let spring = sweep(&Circle::in_frame(&place, 1.0)?.to_nurbs()?, &path, &SweepOptions::default())?;

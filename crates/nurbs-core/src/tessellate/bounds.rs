@@ -1,7 +1,7 @@
 //! Bounds on the second derivatives of Bézier patches.
 
-use super::bernstein::Net;
 use crate::BezierPatch;
+use crate::bernstein::Net;
 use nalgebra::Vector1;
 
 /// Parts per direction into which rational patches are cut: the bound divides by the third power of

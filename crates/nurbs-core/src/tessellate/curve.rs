@@ -1,8 +1,9 @@
 //! Curves to polylines.
 
 use super::TessellationOptions;
+use crate::bernstein::Net;
 use crate::{BezierCurve, BsplineCurve, Error, Interval};
-use nalgebra::SVector;
+use nalgebra::{SVector, Vector1};
 
 /// Points on a curve, in order.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,29 +60,31 @@ fn deviation<const D: usize>(points: &[SVector<f64, D>]) -> f64 {
     })
 }
 
-/// The two halves of a piece ([PT97, sec. 1.7], de Casteljau); `None` when the parameter has no middle.
+/// The two halves of a piece; `None` when the parameter has no middle.
 fn halves<const D: usize>(piece: &BezierCurve<D>) -> Option<[BezierCurve<D>; 2]> {
     let middle = piece.interval.midpoint();
     let first = Interval::new(piece.interval.start(), middle).ok()?;
     let second = Interval::new(middle, piece.interval.end()).ok()?;
-    let n = piece.control_points.len();
-    let mut weights = piece.weights.clone().unwrap_or_else(|| vec![1.0; n]);
-    let mut points: Vec<_> = piece.control_points.iter().zip(&weights).map(|(p, w)| p * *w).collect();
-    let (mut left, mut left_weights) = (points.clone(), weights.clone());
-    for level in 1..n {
-        for k in 0..n - level {
-            points[k] = (points[k] + points[k + 1]) * 0.5;
-            weights[k] = 0.5 * (weights[k] + weights[k + 1]);
-        }
-        left[level] = points[0];
-        left_weights[level] = weights[0];
-    }
-    let rational = piece.weights.is_some();
-    let build = |interval, mut points: Vec<SVector<f64, D>>, weights: Vec<f64>| {
-        for (point, weight) in points.iter_mut().zip(&weights) {
-            *point /= *weight;
-        }
-        BezierCurve { interval, control_points: points, weights: rational.then_some(weights) }
+    let degrees = [0, piece.control_points.len() - 1];
+    let mut points = piece.control_points.clone();
+    let Some(weights) = &piece.weights else {
+        let mut right = Net::new(degrees, points);
+        let left = right.split(false, 0.5);
+        return Some([(first, left), (second, right)].map(|(interval, net)| BezierCurve {
+            interval,
+            control_points: net.values().to_vec(),
+            weights: None,
+        }));
     };
-    Some([build(first, left, left_weights), build(second, points, weights)])
+    points.iter_mut().zip(weights).for_each(|(p, w)| *p *= *w);
+    let mut right = Net::new(degrees, points);
+    let mut right_weights = Net::new(degrees, weights.iter().map(|w| Vector1::new(*w)).collect());
+    let (left, left_weights) = (right.split(false, 0.5), right_weights.split(false, 0.5));
+    Some([(first, left, left_weights), (second, right, right_weights)].map(|(interval, net, weights)| {
+        BezierCurve {
+            interval,
+            control_points: net.values().iter().zip(weights.values()).map(|(a, w)| a / w.x).collect(),
+            weights: Some(weights.values().iter().map(|w| w.x).collect()),
+        }
+    }))
 }

@@ -1,6 +1,5 @@
 //! Polylines and triangles within a chord tolerance.
 
-mod bernstein;
 mod bounds;
 mod curve;
 mod grid;

@@ -1,7 +1,8 @@
 //! Circular helices.
 
-use crate::analytic::{finite, positive};
-use crate::{CurveJet, Error, Frame, Interval, ParametricCurve, ThirdOrderCurve};
+use super::Frame;
+use super::frame::{finite, positive};
+use crate::{CurveJet, Error, Interval, ParametricCurve, ThirdOrderCurve};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 

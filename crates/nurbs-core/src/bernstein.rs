@@ -6,17 +6,27 @@ use nalgebra::SVector;
 ///
 /// The values on the unit square lie in the convex hull of the coefficients.
 #[derive(Clone, Debug)]
-pub(super) struct Net<const N: usize> {
+pub(crate) struct Net<const N: usize> {
     degrees: [usize; 2],
     values: Vec<SVector<f64, N>>,
 }
 
 impl<const N: usize> Net<N> {
-    pub(super) fn new(degrees: [usize; 2], values: Vec<SVector<f64, N>>) -> Self {
+    pub(crate) fn new(degrees: [usize; 2], values: Vec<SVector<f64, N>>) -> Self {
         Self { degrees, values }
     }
 
-    fn at(&self, i: usize, j: usize) -> SVector<f64, N> {
+    /// Numbers of rows and columns less one.
+    pub(crate) fn degrees(&self) -> [usize; 2] {
+        self.degrees
+    }
+
+    /// Coefficients, row-major.
+    pub(crate) fn values(&self) -> &[SVector<f64, N>] {
+        &self.values
+    }
+
+    pub(crate) fn at(&self, i: usize, j: usize) -> SVector<f64, N> {
         self.values[i * (self.degrees[1] + 1) + j]
     }
 
@@ -26,16 +36,16 @@ impl<const N: usize> Net<N> {
         Self { degrees, values }
     }
 
-    pub(super) fn largest_norm(&self) -> f64 {
+    pub(crate) fn largest_norm(&self) -> f64 {
         self.values.iter().map(|v| v.norm()).fold(0.0, f64::max)
     }
 
-    pub(super) fn smallest_norm(&self) -> f64 {
+    pub(crate) fn smallest_norm(&self) -> f64 {
         self.values.iter().map(|v| v.norm()).fold(f64::INFINITY, f64::min)
     }
 
     /// Partial derivative by the first variable.
-    pub(super) fn du(&self) -> Self {
+    pub(crate) fn du(&self) -> Self {
         let [p, q] = self.degrees;
         if p == 0 {
             return Self::build([0, q], |_, _| SVector::zeros());
@@ -44,7 +54,7 @@ impl<const N: usize> Net<N> {
     }
 
     /// Partial derivative by the second variable.
-    pub(super) fn dv(&self) -> Self {
+    pub(crate) fn dv(&self) -> Self {
         let [p, q] = self.degrees;
         if q == 0 {
             return Self::build([p, 0], |_, _| SVector::zeros());
@@ -53,14 +63,14 @@ impl<const N: usize> Net<N> {
     }
 
     /// `self − factor · other`, of equal degrees.
-    pub(super) fn minus(mut self, factor: f64, other: &Self) -> Self {
+    pub(crate) fn minus(mut self, factor: f64, other: &Self) -> Self {
         debug_assert_eq!(self.degrees, other.degrees);
         self.values.iter_mut().zip(&other.values).for_each(|(a, b)| *a -= b * factor);
         self
     }
 
     /// Product with a scalar polynomial.
-    pub(super) fn times(&self, scalar: &Net<1>) -> Self {
+    pub(crate) fn times(&self, scalar: &Net<1>) -> Self {
         let [p, q] = self.degrees;
         let [r, s] = scalar.degrees;
         let (rows, columns) = (mixing(p, r), mixing(q, s));
@@ -80,7 +90,7 @@ impl<const N: usize> Net<N> {
     }
 
     /// The polynomial on `parts` equal strips of one variable.
-    pub(super) fn cut(&self, along_u: bool, parts: usize) -> Vec<Self> {
+    pub(crate) fn cut(&self, along_u: bool, parts: usize) -> Vec<Self> {
         let mut rest = self.clone();
         let mut out = Vec::with_capacity(parts);
         for k in (2..=parts).rev() {
@@ -90,8 +100,8 @@ impl<const N: usize> Net<N> {
         out
     }
 
-    /// De Casteljau at `s`: returns the part before and keeps the part behind.
-    fn split(&mut self, along_u: bool, s: f64) -> Self {
+    /// De Casteljau at `s`: returns the part before and keeps the part behind ([PT97, sec. 1.7]).
+    pub(crate) fn split(&mut self, along_u: bool, s: f64) -> Self {
         let [n, m] = self.degrees.map(|d| d + 1);
         let (count, stride, lines, step) = if along_u { (n, m, m, 1) } else { (m, 1, n, m) };
         let mut left = self.clone();
