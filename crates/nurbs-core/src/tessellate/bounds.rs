@@ -18,7 +18,7 @@ pub(super) struct SecondBounds {
 
 impl SecondBounds {
     /// Bound on the distance of a patch from its triangles when it is cut into `n × m` cells
-    /// ([FMM86]).
+    /// (\[FMM86\]).
     pub(super) fn deviation(&self, n: f64, m: f64) -> f64 {
         (self.uu / (n * n) + 2.0 * self.uv / (n * m) + self.vv / (m * m)) / 8.0
     }

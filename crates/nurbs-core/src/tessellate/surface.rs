@@ -27,7 +27,7 @@ impl BsplineSurface {
     /// Triangles with vertices on the surface that are within the tolerance of it.
     ///
     /// The vertices form a grid whose lines are spaced so that a bound on the second derivatives of each
-    /// patch keeps the distance below the tolerance ([FMM86]); so there are no cracks. At poles and
+    /// patch keeps the distance below the tolerance (\[FMM86\]); so there are no cracks. At poles and
     /// collapsed edges there is one vertex and no degenerate triangle.
     ///
     /// # Errors
