@@ -100,7 +100,7 @@ impl<const N: usize> Net<N> {
         out
     }
 
-    /// De Casteljau at `s`: returns the part before and keeps the part behind ([PT97, sec. 1.7]).
+    /// De Casteljau at `s`: returns the part before and keeps the part behind ([PT97, A1.5]).
     pub(crate) fn split(&mut self, along_u: bool, s: f64) -> Self {
         let [n, m] = self.degrees.map(|d| d + 1);
         let (count, stride, lines, step) = if along_u { (n, m, m, 1) } else { (m, 1, n, m) };

@@ -1,7 +1,7 @@
 //! The Gauss-Kronrod pair of 7 and 15 points.
 //!
 //! The 7 nodes of the Gauss rule are among the 15 of the Kronrod rule, so the difference of the two,
-//! an error estimate, costs nothing ([PDUK83, sec. 2.2]).
+//! an error estimate, costs nothing (\[PDUK83\]).
 
 /// Nodes on `[0, 1)` of the symmetric rule on `[−1, 1]`, outermost first; odd ones belong to Gauss too.
 const NODES: [f64; 8] = [
@@ -59,7 +59,7 @@ pub(super) fn integrate(f: impl Fn(f64) -> f64, a: f64, b: f64) -> (f64, f64) {
 }
 
 /// Error of the Kronrod sum from its difference to the Gauss sum, scaled by the variation of the
-/// integrand ([PDUK83, sec. 2.2.4]): the difference itself is the error of the much weaker Gauss rule.
+/// integrand (\[PDUK83\]): the difference itself is the error of the much weaker Gauss rule.
 pub(super) fn error_estimate(difference: f64, spread: f64) -> f64 {
     if spread > 0.0 && difference > 0.0 {
         spread * (200.0 * difference / spread).powf(1.5).min(1.0)
