@@ -167,6 +167,10 @@ impl<const D: usize> ParametricCurve<D> for BsplineCurve<D> {
         self.knots.period()
     }
 
+    fn breaks(&self) -> Vec<f64> {
+        self.knots.breaks()
+    }
+
     fn jet(&self, t: f64) -> CurveJet<D> {
         let t = self.wrap(t);
         self.jet_in_span(self.knots.span(t), t)

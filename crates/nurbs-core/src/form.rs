@@ -139,6 +139,29 @@ impl From<&BsplineSurface> for SurfaceForm {
     }
 }
 
+#[derive(Serialize, Deserialize)]
+struct KnotForm {
+    degree: usize,
+    knots: Vec<f64>,
+    #[serde(default, skip_serializing_if = "is_false")]
+    periodic: bool,
+}
+
+impl Serialize for KnotVector {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let form =
+            KnotForm { degree: self.degree(), knots: self.as_slice().to_vec(), periodic: self.is_periodic() };
+        form.serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for KnotVector {
+    fn deserialize<De: serde::Deserializer<'de>>(deserializer: De) -> Result<Self, De::Error> {
+        let form = KnotForm::deserialize(deserializer)?;
+        knot_vector(form.degree, form.knots, form.periodic).map_err(serde::de::Error::custom)
+    }
+}
+
 impl<const D: usize> Serialize for BsplineCurve<D> {
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         CurveForm::from(self).serialize(serializer)

@@ -100,6 +100,20 @@ impl Interval {
     }
 }
 
+/// From `{"start": …, "end": …}`, checked.
+#[cfg(feature = "serde")]
+impl<'de> serde::Deserialize<'de> for Interval {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(serde::Deserialize)]
+        struct Ends {
+            start: f64,
+            end: f64,
+        }
+        let Ends { start, end } = Ends::deserialize(deserializer)?;
+        Self::new(start, end).map_err(serde::de::Error::custom)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -213,6 +213,16 @@ impl KnotVector {
         out
     }
 
+    /// The distinct knots in the interior of the domain.
+    #[must_use]
+    pub fn breaks(&self) -> Vec<f64> {
+        let domain = self.domain();
+        let mut inner: Vec<f64> =
+            self.knots.iter().copied().filter(|&t| domain.start() < t && t < domain.end()).collect();
+        inner.dedup();
+        inner
+    }
+
     /// The Greville abscissa `(t_{i+1} + … + t_{i+p}) / p` of every basis function.
     ///
     /// Of a periodic vector only the first `n − p` are distinct up to the period.

@@ -18,9 +18,14 @@
 //! # Ok::<(), nurbs_core::Error>(())
 //! ```
 
+mod analytic;
 pub mod basis;
+mod bernstein;
 mod bezier;
+mod bounds;
+pub mod construct;
 mod curve;
+mod differential;
 mod direction;
 mod error;
 mod fit;
@@ -30,13 +35,22 @@ mod interval;
 mod jet;
 mod knot_ops;
 mod knots;
+mod measure;
 mod modify;
+mod offset;
 mod rational;
 mod surface;
+mod tessellate;
 mod traits;
 
+pub use analytic::{
+    AnalyticSurface, Circle, Cone, CurveFoot, Cylinder, Ellipse, Frame, Helix, Line, Plane, Sphere,
+    SurfaceFoot, Torus,
+};
 pub use bezier::{BezierCurve, BezierPatch};
+pub use bounds::Aabb;
 pub use curve::BsplineCurve;
+pub use differential::{FirstForm, FrenetFrame, PrincipalFrame, SecondForm};
 pub use direction::Direction;
 pub use error::Error;
 pub use fit::{
@@ -46,7 +60,10 @@ pub use fit::{
 pub use interval::Interval;
 pub use jet::{CurveJet, SurfaceJet};
 pub use knots::{KnotVector, MAX_DEGREE};
+pub use measure::{ArcLength, MEASURE_TOLERANCE, Measure, arc_length, area};
 pub use modify::Removal;
 pub use nalgebra;
+pub use offset::{OffsetCurve, OffsetSurface, SurfaceThird, ThirdOrderCurve, ThirdOrderSurface};
 pub use surface::BsplineSurface;
+pub use tessellate::{Polyline, Tessellation, TessellationOptions};
 pub use traits::{CurveFn, ParametricCurve, ParametricSurface, SurfaceFn};

@@ -232,6 +232,10 @@ impl ParametricSurface for BsplineSurface {
         [self.knots_u.period(), self.knots_v.period()]
     }
 
+    fn breaks(&self) -> [Vec<f64>; 2] {
+        [self.knots_u.breaks(), self.knots_v.breaks()]
+    }
+
     fn jet(&self, u: f64, v: f64) -> SurfaceJet {
         let (u, v) = self.wrap(u, v);
         self.jet_in_span(self.knots_u.span(u), self.knots_v.span(v), u, v)

@@ -16,6 +16,13 @@ pub trait ParametricCurve<const D: usize> {
         None
     }
 
+    /// Parameters inside the domain, in increasing order, where the curve need not be smooth (knots).
+    ///
+    /// Quadrature and other numerical methods stop there and start anew.
+    fn breaks(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
     /// Point, first and second derivative in one evaluation.
     fn jet(&self, t: f64) -> CurveJet<D>;
 
@@ -38,6 +45,12 @@ pub trait ParametricSurface {
         [None, None]
     }
 
+    /// Parameters `u` and `v` inside the domain, in increasing order, where the surface need not be
+    /// smooth (knots).
+    fn breaks(&self) -> [Vec<f64>; 2] {
+        [Vec::new(), Vec::new()]
+    }
+
     /// Point and all derivatives up to the second order in one evaluation.
     fn jet(&self, u: f64, v: f64) -> SurfaceJet;
 
@@ -55,6 +68,9 @@ macro_rules! forward {
             }
             fn period(&self) -> Option<f64> {
                 (**self).period()
+            }
+            fn breaks(&self) -> Vec<f64> {
+                (**self).breaks()
             }
             fn jet(&self, t: f64) -> CurveJet<D> {
                 (**self).jet(t)
@@ -75,6 +91,9 @@ macro_rules! forward_surface {
             }
             fn period(&self) -> [Option<f64>; 2] {
                 (**self).period()
+            }
+            fn breaks(&self) -> [Vec<f64>; 2] {
+                (**self).breaks()
             }
             fn jet(&self, u: f64, v: f64) -> SurfaceJet {
                 (**self).jet(u, v)

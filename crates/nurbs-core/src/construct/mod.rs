@@ -1,0 +1,29 @@
+//! Surfaces made from curves.
+//!
+//! | from | surface | exact |
+//! |---|---|---|
+//! | four corners | [`bilinear`] | yes |
+//! | four boundary curves | [`coons`] | yes |
+//! | two curves | [`ruled`] | yes |
+//! | a curve and a vector | [`extrude`] | yes |
+//! | a curve and an axis | [`revolve`] | yes |
+//! | two curves, one moved along the other | [`translate_along`] | yes |
+//! | a curve carried along a path by a moving frame | [`sweep`] | within a tolerance |
+//! | any number of sections | [`skin`] | interpolates the sections |
+//!
+//! Curves may be rational; those that have to fit together are given a common degree and common knots.
+
+mod compatible;
+mod coons;
+mod frames;
+mod revolve;
+mod simple;
+mod skin;
+mod sweep;
+
+pub use coons::coons;
+pub use frames::{PathFrame, rotation_minimizing_frames};
+pub use revolve::revolve;
+pub use simple::{bilinear, extrude, ruled, translate_along};
+pub use skin::{skin, skin_at};
+pub use sweep::{Sweep, SweepOptions, sweep};
