@@ -110,8 +110,12 @@ impl<const K: usize> PatchSet<K> {
                     rows.resize(m, zero_row());
                     self.fine_form(patch, &y, &region, limit_sq, &mut rows);
                     let noise = 16.0 * f64::EPSILON * largest(&rows);
-                    unresolved = unresolved.min(-noise);
-                    Levels { noise, floor: -noise, tie }
+                    // Large boxes must be decided clearly; in small ones the rounding errors do not matter.
+                    let matters = noise > 0.01 * (best.distance_sq - limit_sq) * patch.min_weight_sq;
+                    if !matters {
+                        unresolved = unresolved.min(-noise);
+                    }
+                    Levels { noise, floor: if matters { noise } else { -noise }, tie }
                 } else {
                     rows.extend_from_slice(&scratch.rows[first..first + m]);
                     Levels { noise, floor: if close { noise } else { -noise }, tie }
