@@ -40,6 +40,18 @@ fn main() -> Result<(), Box<dyn Error>> {
             let projector = SurfaceProjector::new(&surface);
             let build = start.elapsed().as_secs_f64() * 1e6;
             let patches = projector.patch_count();
+            let feet: Vec<_> = (0..1 << 17)
+                .map(|i| {
+                    let [u, v] = [0.5 + 0.49 * f64::from(i).sin(), 0.5 + 0.49 * f64::from(3 * i).cos()];
+                    projector.project_from(&surface.point(u, v), 0, [u, v])
+                })
+                .collect();
+            let shift = Vector3::repeat(2e-3 * size(surface.control_points()));
+            let moved: Vec<_> = feet.iter().map(|f| f.point + shift).collect();
+            let start = Instant::now();
+            let updated = projector.update_many(&moved, &feet)?;
+            let update = start.elapsed().as_secs_f64() * 1e9 / updated.len() as f64;
+            println!("{stem}: {update:.0} ns per warm start in batches");
             println!(
                 "{stem}: {patches} patches, {:.1} µs and {} bytes each",
                 build / patches as f64,

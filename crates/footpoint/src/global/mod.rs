@@ -11,6 +11,7 @@ pub(crate) mod dispatch;
 pub(crate) mod gap;
 pub(crate) mod lanes;
 pub(crate) mod line;
+pub(crate) mod newton_lanes;
 pub(crate) mod patch;
 pub(crate) mod piece;
 pub(crate) mod prove;

@@ -193,7 +193,7 @@ impl<const K: usize> PatchSet<K> {
     #[inline(always)]
     pub(crate) fn jet(&self, patch: &Patch, s: f64, t: f64) -> SurfaceJet {
         let [p, q] = patch.degrees;
-        let net = &self.nets[patch.net..patch.net + (p + 1) * (q + 1)];
+        let net = self.net(patch);
         let a = match (p, q) {
             (3, 3) => fixed_jet::<4, 4>(net, s, t),
             (2, 2) => fixed_jet::<3, 3>(net, s, t),
@@ -219,11 +219,17 @@ impl<const K: usize> PatchSet<K> {
         }
     }
 
+    /// The homogeneous control net.
+    #[inline(always)]
+    pub(crate) fn net(&self, patch: &Patch) -> &[Homogeneous] {
+        &self.nets[patch.net..patch.net + (patch.degrees[0] + 1) * (patch.degrees[1] + 1)]
+    }
+
     /// The point alone, relative to the centre.
     #[inline(always)]
     pub(crate) fn point(&self, patch: &Patch, s: f64, t: f64) -> Vector3<f64> {
         let [p, q] = patch.degrees;
-        let net = &self.nets[patch.net..patch.net + (p + 1) * (q + 1)];
+        let net = self.net(patch);
         let mut bu = [[0.0; 3]; MAX_DEGREE + 1];
         let mut bv = [[0.0; 3]; MAX_DEGREE + 1];
         basis_jet(p, s, &mut bu[..=p]);

@@ -94,6 +94,21 @@ pub(crate) fn run<const D: usize, B: Batch<D>>(
     results
 }
 
+/// Treats slices of fixed length in parallel; the results come in order.
+pub(crate) fn in_chunks<T: Sync, R: Send>(
+    items: &[T],
+    work: impl Fn(&[T], &mut Vec<R>) + Sync,
+) -> Vec<Vec<R>> {
+    items
+        .par_chunks(CHUNK)
+        .map(|chunk| {
+            let mut out = Vec::with_capacity(chunk.len());
+            work(chunk, &mut out);
+            out
+        })
+        .collect()
+}
+
 /// Indices of the points along a space-filling (Morton) curve, so that neighbours in the order are neighbours in
 /// space; ties keep the order of the input.
 fn coherent_order<const D: usize>(points: &[SVector<f64, D>]) -> Vec<u32> {

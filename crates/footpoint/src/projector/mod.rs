@@ -6,6 +6,7 @@ mod classify_curve;
 mod curve;
 pub(crate) mod pool;
 mod surface;
+mod update;
 
 pub use curve::CurveProjector;
 pub use surface::SurfaceProjector;

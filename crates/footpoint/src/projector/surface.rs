@@ -3,6 +3,7 @@
 use super::Progress;
 use super::batch::{self, Batch};
 use crate::global::descend::Foot;
+use crate::global::dispatch::vectorized;
 use crate::global::gap::Gap;
 use crate::global::patch::PatchSet;
 use crate::global::scratch::Scratch;
@@ -31,7 +32,7 @@ use nurbs_core::BsplineSurface;
 /// ```
 #[derive(Clone, Debug)]
 pub struct SurfaceProjector {
-    set: Sets,
+    pub(super) set: Sets,
 }
 
 /// The prepared patches, by the length of the rows that their degree needs.
@@ -55,6 +56,8 @@ macro_rules! with_set {
         }
     };
 }
+
+pub(super) use with_set;
 
 impl SurfaceProjector {
     /// Prepares one surface.
@@ -125,7 +128,7 @@ impl SurfaceProjector {
                 }
                 let (cell, local) = set.cells[shape].locate(parameter);
                 let foot = set.descend(x, set.cells[shape].patch(cell), local, 50);
-                set.finish(x, &foot)
+                vectorized(#[inline(always)] || set.finish(x, &foot))
         })
     }
 
