@@ -209,6 +209,7 @@ impl<const D: usize, C: ParametricCurve<D> + ?Sized> Problem<'_, D, C> {
         let location = curve_location(self.axis, parameter);
         let on_boundary = status == Status::Converged && location == Location::Edge;
         CurveFootpoint {
+            shape: 0,
             parameter,
             point,
             distance: (self.x - point).norm(),

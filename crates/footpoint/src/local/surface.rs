@@ -303,6 +303,7 @@ impl<S: ParametricSurface + ?Sized> Problem<'_, S> {
         }
         let distance = (self.x - point).norm();
         SurfaceFootpoint {
+            shape: 0,
             parameter,
             point,
             distance,
