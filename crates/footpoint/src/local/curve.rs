@@ -2,7 +2,7 @@
 
 use super::axis::{Axis, Cell, Side};
 use super::escape::{ESCAPE_TRIALS, is_lower};
-use super::line_search::search;
+use super::line_search::{largest_distance, search};
 use super::location::curve_location;
 use super::options::residual_noise;
 use super::step::CurveResidual;
@@ -160,18 +160,17 @@ impl<const D: usize, C: ParametricCurve<D> + ?Sized> Problem<'_, D, C> {
     /// One safeguarded step inside the cell.
     fn advance(&self, here: &Here<D>) -> Option<Here<D>> {
         let residual = here.residual?;
-        let first_order = residual.tangential / residual.speed;
-        let step = self.options.method.curve_step(&here.jet, self.x);
-        // Eq. (5) may point uphill; the tangent never does.
-        let delta = step.filter(|s| s.is_finite() && s * first_order > 0.0).unwrap_or(first_order);
-        let limit = here.distance + 0.5 * here.noise;
+        let delta = self.options.method.descending_curve_step(&here.jet, self.x)?;
         search(
             self.axis,
             &here.cell,
             here.t,
             delta,
             |t| self.evaluate(here.cell, t),
-            |next| next.distance <= limit,
+            |next| {
+                let promise = residual.tangential * residual.speed * (next.t - here.t);
+                next.distance <= largest_distance(here.distance, promise, here.noise)
+            },
         )
     }
 

@@ -8,6 +8,19 @@ const MAX_TRIALS: usize = 60;
 /// Share of the step below which a break of the second derivative is no candidate for its end.
 const SMALLEST_CUT: f64 = 1e-3;
 
+/// Share of the decrease promised by the gradient that a step must keep.
+///
+/// A quarter allows steps up to 1.5 times the best one, so that what is left of the error at least halves.
+/// Without such a rule first order steps near the stability limit swing for thousands of iterations, each
+/// a little nearer.
+const SUFFICIENT: f64 = 0.25;
+
+/// The largest acceptable distance after a step: `promise = ⟨w, displacement⟩` is how much `½d²` would
+/// decrease along the tangent. Rounding must not make a step fail.
+pub(crate) fn largest_distance(distance: f64, promise: f64, noise: f64) -> f64 {
+    (distance * distance - 2.0 * SUFFICIENT * promise.max(0.0)).max(0.0).sqrt() + 0.5 * noise
+}
+
 /// The longest acceptable step from `from` towards `from + delta`.
 ///
 /// The full step, cut at the ends of the cell, is tried first. Where it fails, the second derivative

@@ -58,4 +58,23 @@ impl Method {
             Self::Newton => step::newton_surface(jet, x),
         }
     }
+
+    /// `Δt` of one step in the direction in which the distance decreases; `None` where `c' = 0`.
+    ///
+    /// Eq. (5) shrinks to nothing at its false fixed points and points away from the foot beyond them:
+    /// where it differs much from the principal-circle step, to which it tends at a foot, that one is taken.
+    pub(crate) fn descending_curve_step<const D: usize>(
+        self,
+        jet: &CurveJet<D>,
+        x: &SVector<f64, D>,
+    ) -> Option<f64> {
+        let circle = step::principal_circle_curve(jet, x)?;
+        let trusted = |delta: &f64| {
+            let ratio = delta / circle;
+            ratio.is_finite()
+                && ratio > 0.0
+                && (self != Self::SecondOrderTaylor || (0.25..4.0).contains(&ratio))
+        };
+        Some(self.curve_step(jet, x).filter(trusted).unwrap_or(circle))
+    }
 }

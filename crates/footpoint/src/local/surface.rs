@@ -2,9 +2,10 @@
 
 use super::axis::{Axis, Cell, Side};
 use super::escape::{ESCAPE_TRIALS, is_lower};
+use super::line_search::largest_distance;
 use super::location::surface_location;
 use super::pole;
-use super::step::{CurveResidual, PrincipalTangents, Tangent, first_order_curve, first_order_surface};
+use super::step::{CurveResidual, PrincipalTangents, Tangent, first_order_surface};
 use super::surface_state::Here;
 use super::{LocalOptions, Start};
 use crate::{Location, Multiplicity, Status, SurfaceFootpoint};
@@ -156,12 +157,8 @@ impl<S: ParametricSurface + ?Sized> Problem<'_, S> {
 
     /// The curve step of parameter `k` alone.
     fn line_step(&self, here: &Here, k: usize) -> Option<[f64; 2]> {
-        let line = here.line(k);
-        let first_order = first_order_curve(&line, self.x)?;
-        let step = self.options.method.curve_step(&line, self.x);
-        let step = step.filter(|s| s.is_finite() && s * first_order > 0.0).unwrap_or(first_order);
         let mut delta = [0.0; 2];
-        delta[k] = step;
+        delta[k] = self.options.method.descending_curve_step(&here.line(k), self.x)?;
         Some(delta)
     }
 
@@ -173,13 +170,17 @@ impl<S: ParametricSurface + ?Sized> Problem<'_, S> {
             let half_turn = if axis.wraps { 0.5 * axis.domain.length() } else { f64::INFINITY };
             delta[k].clamp(-half_turn, half_turn)
         });
-        let limit = here.distance + 0.5 * here.noise;
+        let accepts = |next: &Here| {
+            let [du, dv] = [0, 1].map(|k| next.at[k] - here.at[k]);
+            let promise = here.residual.dot(&(here.jet.du * du + here.jet.dv * dv));
+            next.distance <= largest_distance(here.distance, promise, here.noise)
+        };
         let clamped = [0, 1].map(|k| here.cells[k].clamp(here.at[k] + delta[k]));
         if clamped == here.at {
             return None;
         }
         let first = self.evaluate(here.cells, clamped);
-        if first.distance <= limit {
+        if accepts(&first) {
             return Some(first);
         }
         let fraction = |k: usize, to: f64| (to - here.at[k]) / delta[k];
@@ -202,7 +203,7 @@ impl<S: ParametricSurface + ?Sized> Problem<'_, S> {
                 return None;
             }
             let next = self.evaluate(here.cells, at);
-            if next.distance <= limit {
+            if accepts(&next) {
                 return Some(next);
             }
             share = cut.take().filter(|&s| s < share).unwrap_or(0.5 * share);

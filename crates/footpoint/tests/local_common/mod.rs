@@ -9,7 +9,7 @@ use nurbs_core::{
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Example 2 of [HW05].
-pub fn cubic_curve() -> BsplineCurve<2> {
+pub(crate) fn cubic_curve() -> BsplineCurve<2> {
     let knots = KnotVector::new(3, vec![0., 0., 0., 0., 0.2, 0.4, 0.6, 0.8, 1., 1., 1., 1.]).unwrap();
     let x = [100., 140., 200., 260., 340., 400., 460., 500.];
     let y = [100., 196., 240., 164., 164., 240., 196., 100.];
@@ -18,21 +18,21 @@ pub fn cubic_curve() -> BsplineCurve<2> {
 }
 
 /// A bicubic surface over `[0, 1]²` whose heights come from `heights` (6 × 5, row by row).
-pub fn bumpy_surface(heights: &[f64]) -> BsplineSurface {
+pub(crate) fn bumpy_surface(heights: &[f64]) -> BsplineSurface {
     let (ku, kv) = (KnotVector::uniform_clamped(3, 6).unwrap(), KnotVector::uniform_clamped(3, 5).unwrap());
     let points = (0..30).map(|k| Vector3::new((k / 5) as f64, (k % 5) as f64, heights[k])).collect();
     BsplineSurface::new(ku, kv, points, None).unwrap()
 }
 
 /// Two straight pieces that meet at (1, 0) for `t = 1`, with the corner upwards.
-pub fn roof() -> BsplineCurve<2> {
+pub(crate) fn roof() -> BsplineCurve<2> {
     let knots = KnotVector::new(1, vec![0., 0., 1., 2., 2.]).unwrap();
     let points = vec![Vector2::new(0., -1.), Vector2::new(1., 0.), Vector2::new(2., -1.)];
     BsplineCurve::new(knots, points, None).unwrap()
 }
 
 /// The exact rational circle of radius 1, clamped, with kinks of the parameterisation at the quarters.
-pub fn circle() -> BsplineCurve<2> {
+pub(crate) fn circle() -> BsplineCurve<2> {
     let knots = KnotVector::new(2, vec![0., 0., 0., 1., 1., 2., 2., 3., 3., 4., 4., 4.]).unwrap();
     let h = std::f64::consts::FRAC_1_SQRT_2;
     let points =
@@ -42,7 +42,7 @@ pub fn circle() -> BsplineCurve<2> {
 }
 
 /// The unit sphere by longitude and latitude: closed in `u`, poles at both ends of `v`.
-pub fn sphere() -> impl ParametricSurface {
+pub(crate) fn sphere() -> impl ParametricSurface {
     let latitudes = Interval::new(-FRAC_PI_2, FRAC_PI_2).unwrap();
     SurfaceFn::new([Interval::new(0.0, TAU).unwrap(), latitudes], |u: f64, v: f64| {
         let (su, cu) = if u == TAU { (0.0, 1.0) } else { u.sin_cos() };
@@ -59,7 +59,7 @@ pub fn sphere() -> impl ParametricSurface {
 }
 
 /// A quarter disc in the plane `z = 0`: the edge `v = 0` is collapsed into the origin.
-pub fn fan() -> BsplineSurface {
+pub(crate) fn fan() -> BsplineSurface {
     let (ku, kv) =
         (KnotVector::bezier(2, Interval::UNIT).unwrap(), KnotVector::bezier(1, Interval::UNIT).unwrap());
     let rim = [[1., 0., 0.], [1., 1., 0.], [0., 1., 0.]];
@@ -69,7 +69,7 @@ pub fn fan() -> BsplineSurface {
 }
 
 /// A roof extruded along `y`: a ridge at `u = 1`.
-pub fn roof_surface() -> BsplineSurface {
+pub(crate) fn roof_surface() -> BsplineSurface {
     let ku = KnotVector::new(1, vec![0., 0., 1., 2., 2.]).unwrap();
     let kv = KnotVector::bezier(1, Interval::UNIT).unwrap();
     let profile = [[0., -1.], [1., 0.], [2., -1.]];
@@ -78,16 +78,16 @@ pub fn roof_surface() -> BsplineSurface {
 }
 
 /// A curve moved rigidly and parameterised by `s ↦ c(origin + rate · s)`.
-pub struct Moved<'a, C> {
-    pub curve: &'a C,
-    pub angle: f64,
-    pub shift: Vector2<f64>,
-    pub origin: f64,
-    pub rate: f64,
+pub(crate) struct Moved<'a, C> {
+    pub(crate) curve: &'a C,
+    pub(crate) angle: f64,
+    pub(crate) shift: Vector2<f64>,
+    pub(crate) origin: f64,
+    pub(crate) rate: f64,
 }
 
 impl<C> Moved<'_, C> {
-    pub fn turn(&self, v: &Vector2<f64>) -> Vector2<f64> {
+    pub(crate) fn turn(&self, v: &Vector2<f64>) -> Vector2<f64> {
         let (s, c) = self.angle.sin_cos();
         Vector2::new(c * v.x - s * v.y, s * v.x + c * v.y)
     }
