@@ -112,9 +112,10 @@ impl<S: ParametricSurface + ?Sized> Problem<'_, S> {
             match self.advance(&here) {
                 None => settled = true,
                 Some(next) => {
+                    // A step cut short by a bound says nothing about the other parameter.
                     settled = (0..2).all(|k| {
                         let tolerance = self.options.parameter_tolerance * self.axes[k].domain.length();
-                        (next.at[k] - here.at[k]).abs() <= tolerance
+                        (next.at[k] - here.at[k]).abs() <= tolerance && next.at_end(k) == here.at_end(k)
                     });
                     here = next;
                 }
