@@ -131,7 +131,7 @@ mod tests {
         assert!((first.order.unwrap() - 1.0).abs() < 0.1);
         for quadratic in [&taylor, &chord, &circle, &newton] {
             assert!((quadratic.order.unwrap() - 2.0).abs() < 0.2);
-            assert!(quadratic.safeguarded.reached > 0.999 && quadratic.beyond.reached > 0.999);
+            assert!(quadratic.safeguarded.reached == 1.0 && quadratic.beyond.reached == 1.0);
         }
         assert!((taylor.order_on_shape.unwrap() - 3.0).abs() < 0.3);
         assert!(taylor.bare.reached < circle.bare.reached);
@@ -149,7 +149,7 @@ mod tests {
         assert!((newton.order.unwrap() - 2.0).abs() < 0.2);
         assert!(circle.bare.reached > newton.bare.reached && circle.bare.mean < newton.bare.mean);
         for quadratic in [&circle, &newton] {
-            assert!(quadratic.safeguarded.reached > 0.999 && quadratic.beyond.reached > 0.999);
+            assert!(quadratic.safeguarded.reached == 1.0 && quadratic.beyond.reached == 1.0);
         }
         assert!(circle.safeguarded.mean < newton.safeguarded.mean);
         assert!(circle.safeguarded.mean < chord.safeguarded.mean);

@@ -13,7 +13,7 @@ pub(crate) fn two_digits(step: f64) -> String {
     }
     let digit = |i: usize| digits.as_bytes().get(i).map_or(0, |b| b - b'0');
     let mut mantissa = digit(0) * 10 + digit(1) + u8::from(digit(2) >= 5);
-    let mut exponent = digits.len() as i32 - 11;
+    let mut exponent = i32::try_from(digits.len()).unwrap_or(i32::MAX) - 11;
     if mantissa == 100 {
         mantissa = 10;
         exponent += 1;
