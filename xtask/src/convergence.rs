@@ -1,4 +1,4 @@
-//! `cargo xtask convergence`: orders and basins of the local methods on Examples 2 and 3 of [HW05].
+//! `cargo xtask convergence`: orders and basins of the local methods on Examples 2 and 3 of \[HW05\].
 
 mod measure;
 mod random;
@@ -47,7 +47,7 @@ points and initial parameters are random with a fixed seed.
   lie on edges and corners.
 ";
 
-/// The document; the sentences under the tables state what [`tests`] hold.
+/// The document; the sentences under the tables state what the tests below hold.
 fn document() -> Result<String, nurbs_core::Error> {
     let (curve, surface) = (CurveSubject::new(examples::curve()?), SurfaceSubject::new(examples::surface()?));
     let mut text = String::from(HEAD);

@@ -1,5 +1,7 @@
 //! Local projection onto curves, through the public interface.
 
+#![allow(clippy::unwrap_used, reason = "a set-up that fails must fail the test")]
+
 mod local_common;
 
 use footpoint::local::{LocalOptions, Method, Start, invert_curve, iterate_curve, project_curve};

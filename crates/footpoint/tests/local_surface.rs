@@ -1,5 +1,7 @@
 //! Local projection onto surfaces, through the public interface.
 
+#![allow(clippy::unwrap_used, reason = "a set-up that fails must fail the test")]
+
 mod local_common;
 
 use footpoint::local::{LocalOptions, Method, Start, invert_surface, iterate_surface, project_surface};

@@ -1,4 +1,4 @@
-//! Tables 1 to 5 of [HW05], computed with the library.
+//! Tables 1 to 5 of \[HW05\], computed with the library.
 
 use super::printed::{self, Printed};
 use crate::examples;

@@ -1,4 +1,4 @@
-//! `cargo xtask paper-tables`: Tables 1 to 5 of [HW05], computed and compared with what is printed.
+//! `cargo xtask paper-tables`: Tables 1 to 5 of \[HW05\], computed and compared with what is printed.
 
 mod compute;
 mod digits;

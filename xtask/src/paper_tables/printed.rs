@@ -1,4 +1,4 @@
-//! The numbers of Tables 1 to 5 as they are printed in [HW05], and which of them are misprints.
+//! The numbers of Tables 1 to 5 as they are printed in \[HW05\], and which of them are misprints.
 
 /// One printed step.
 #[derive(Clone, Copy, Debug)]

@@ -7,7 +7,7 @@ use nurbs_core::{ParametricCurve, ParametricSurface};
 
 /// The parameter of a point that lies on the curve up to `tolerance` (a length), sought from `start`.
 ///
-/// Eq. (5) of [HW05] is tried first, since for points on the curve it converges with order 3; where it
+/// Eq. (5) of \[HW05\] is tried first, since for points on the curve it converges with order 3; where it
 /// ends elsewhere, the method of the options.
 ///
 /// # Errors

@@ -7,7 +7,7 @@ use nurbs_core::{Interval, ParametricSurface};
 ///
 /// The surface is sampled at `(counts[0] + 1) × (counts[1] + 1)` equally spaced parameters; each
 /// quadrilateral is taken as two triangles, `x` is projected onto the nearest one, and the parameters are
-/// recovered from its position there ([PT01]). Costs one evaluation for each sample; counts of 0 are
+/// recovered from its position there (\[PT01\]). Costs one evaluation for each sample; counts of 0 are
 /// taken as 1.
 pub fn nearest_quadrilateral<S: ParametricSurface + ?Sized>(
     surface: &S,

@@ -18,11 +18,11 @@ pub enum Start<P> {
     At(P),
     /// At the nearest of `n + 1` equally spaced samples, ends included; `(n + 1)²` on a surface.
     NearestSample(usize),
-    /// At the Greville parameter of the nearest control point ([MH03]). For shapes without control points as
+    /// At the Greville parameter of the nearest control point (\[MH03\]). For shapes without control points as
     /// `NearestSample(16)`.
     ControlPolygon,
     /// On the nearest of the planar pieces spanned by `n + 1` (`(n + 1)²`) samples: chords of a curve,
-    /// quadrilaterals of a surface ([PT01]).
+    /// quadrilaterals of a surface (\[PT01\]).
     Quadrilaterals(usize),
 }
 

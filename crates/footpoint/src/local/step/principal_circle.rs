@@ -13,7 +13,7 @@ use nurbs_core::{CurveJet, SurfaceJet};
 
 /// `Δt = ⟨q − c, c'⟩ / |c'|²` with `q` the foot on the curvature circle.
 ///
-/// Eq. (5) of [HW05] without its term in `⟨c', c''⟩`: the same order, no false fixed points.
+/// Eq. (5) of \[HW05\] without its term in `⟨c', c''⟩`: the same order, no false fixed points.
 /// `None` where `c' = 0`.
 #[must_use]
 pub fn principal_circle_curve<const D: usize>(jet: &CurveJet<D>, x: &SVector<f64, D>) -> Option<f64> {

@@ -1,6 +1,6 @@
 //! Second order steps on curves: projection onto the curvature circle.
 //!
-//! Both formulas of [HW05] turn the foot `q` on the circle into a parameter increment through the
+//! Both formulas of \[HW05\] turn the foot `q` on the circle into a parameter increment through the
 //! second order Taylor polynomial of the curve. They are evaluated in closed form, valid in every
 //! dimension; areas and the circle's centre, which lose digits near a foot, do not occur.
 
