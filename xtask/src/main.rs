@@ -2,6 +2,10 @@
 //!
 //! One file per command, listed in [`COMMANDS`]; arguments are read by hand so that this crate builds quickly and pulls in nothing.
 
+mod convergence;
+mod examples;
+mod generated;
+mod paper_tables;
 mod tidy;
 mod workspace;
 
@@ -17,12 +21,26 @@ struct Command {
 }
 
 /// Every chore, in the order of the help text.
-const COMMANDS: &[Command] = &[Command {
-    name: "tidy",
-    arguments: "",
-    about: "check what the compiler does not: dependency direction, file length, citations, snapshots, fixtures",
-    run: tidy::run,
-}];
+const COMMANDS: &[Command] = &[
+    Command {
+        name: "tidy",
+        arguments: "",
+        about: "check what the compiler does not: dependency direction, file length, citations, snapshots, fixtures",
+        run: tidy::run,
+    },
+    Command {
+        name: "paper-tables",
+        arguments: "[--check]",
+        about: "compute the tables of the papers, compare with the printed numbers, write docs/paper-tables.md",
+        run: paper_tables::run,
+    },
+    Command {
+        name: "convergence",
+        arguments: "[--check]",
+        about: "measure convergence orders and basins of the local methods, write docs/convergence.md",
+        run: convergence::run,
+    },
+];
 
 /// Why a chore did not succeed.
 enum Failure {

@@ -3,6 +3,7 @@
 mod error;
 mod footpoint;
 mod global;
+pub mod local;
 mod options;
 mod projector;
 mod status;

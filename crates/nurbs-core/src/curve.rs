@@ -1,6 +1,6 @@
 //! B-spline and NURBS curves.
 
-use crate::{CurveJet, Error, Interval, KnotVector, MAX_DEGREE, ParametricCurve, basis, rational};
+use crate::{Break, CurveJet, Error, Interval, KnotVector, MAX_DEGREE, ParametricCurve, basis, rational};
 use nalgebra::SVector;
 
 /// A B-spline curve `c(t) = Σ N_i(t) p_i` in `R^D`, or with weights the rational one
@@ -191,6 +191,24 @@ impl<const D: usize> ParametricCurve<D> for BsplineCurve<D> {
         }
         if self.weights.is_some() { a / w } else { a }
     }
+
+    fn derivative_breaks(&self) -> Vec<Break> {
+        self.knots.derivative_breaks()
+    }
+
+    fn nearest_control_parameter(&self, x: &SVector<f64, D>) -> Option<f64> {
+        let i = nearest_index(&self.control_points, x)?;
+        Some(self.knots.normalize(self.knots.greville_at(i)))
+    }
+}
+
+/// Index of the point nearest to `x`, the first of several; `None` when no distance is comparable.
+pub(crate) fn nearest_index<const D: usize>(
+    points: &[SVector<f64, D>],
+    x: &SVector<f64, D>,
+) -> Option<usize> {
+    let distances = points.iter().map(|p| (p - x).norm_squared()).enumerate();
+    distances.filter(|(_, d)| !d.is_nan()).min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i)
 }
 
 /// Largest side of the bounding box, for relative tolerances.

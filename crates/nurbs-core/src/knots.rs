@@ -1,6 +1,6 @@
 //! Validated knot vectors.
 
-use crate::{Error, Interval};
+use crate::{Break, Error, Interval};
 
 /// Highest degree that the kernel evaluates; basis functions live in arrays of this size on the stack.
 pub const MAX_DEGREE: usize = 25;
@@ -223,13 +223,31 @@ impl KnotVector {
         inner
     }
 
+    /// The knots at which a shape is less than twice continuously differentiable: inside the domain,
+    /// and at its start if periodic.
+    #[must_use]
+    pub fn derivative_breaks(&self) -> Vec<Break> {
+        let domain = self.domain();
+        self.distinct_knots()
+            .into_iter()
+            .filter(|&(t, _)| t < domain.end() && (t > domain.start() || self.periodic))
+            .map(|(parameter, count)| Break { parameter, continuity: self.degree.saturating_sub(count) })
+            .filter(|b| b.continuity < 2)
+            .collect()
+    }
+
     /// The Greville abscissa `(t_{i+1} + … + t_{i+p}) / p` of every basis function.
     ///
     /// Of a periodic vector only the first `n − p` are distinct up to the period.
     #[must_use]
     pub fn greville(&self) -> Vec<f64> {
+        (0..self.basis_count()).map(|i| self.greville_at(i)).collect()
+    }
+
+    /// The Greville abscissa of basis function `i`.
+    pub(crate) fn greville_at(&self, i: usize) -> f64 {
         let p = self.degree;
-        (0..self.basis_count()).map(|i| self.knots[i + 1..=i + p].iter().sum::<f64>() / p as f64).collect()
+        self.knots[i + 1..=i + p].iter().sum::<f64>() / p as f64
     }
 
     /// The same basis on another domain: knots mapped by the affine map that takes the domain to `to`.
@@ -339,6 +357,8 @@ mod tests {
         assert_eq!(k.greville(), [0.0, 0.5, 1.0, 2.0, 3.5, 4.0]);
         assert_eq!(k.distinct_knots(), [(0.0, 3), (1.0, 2), (3.0, 1), (4.0, 3)]);
         assert_eq!(k.span(f64::NAN), 2);
+        let breaks: Vec<_> = k.derivative_breaks().iter().map(|b| (b.parameter, b.continuity)).collect();
+        assert_eq!(breaks, [(1.0, 0), (3.0, 1)]);
     }
 
     #[test]

@@ -66,4 +66,4 @@ pub use nalgebra;
 pub use offset::{OffsetCurve, OffsetSurface, SurfaceThird, ThirdOrderCurve, ThirdOrderSurface};
 pub use surface::BsplineSurface;
 pub use tessellate::{Polyline, Tessellation, TessellationOptions};
-pub use traits::{CurveFn, ParametricCurve, ParametricSurface, SurfaceFn};
+pub use traits::{Break, CurveFn, ParametricCurve, ParametricSurface, SurfaceFn};

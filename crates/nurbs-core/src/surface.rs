@@ -1,7 +1,7 @@
 //! B-spline and NURBS surfaces.
 
-use crate::curve::{check_points, check_weights, extent};
-use crate::{Error, Interval, KnotVector, MAX_DEGREE, ParametricSurface, SurfaceJet, basis, rational};
+use crate::curve::{check_points, check_weights, extent, nearest_index};
+use crate::{Break, Error, Interval, KnotVector, MAX_DEGREE, ParametricSurface, SurfaceJet, basis, rational};
 use nalgebra::Vector3;
 
 /// A tensor product B-spline surface `s(u, v) = Σ N_i(u) N_j(v) p_ij` in `R³`, rational (NURBS) when it
@@ -259,5 +259,16 @@ impl ParametricSurface for BsplineSurface {
             }
         }
         if self.weights.is_some() { a / w } else { a }
+    }
+
+    fn derivative_breaks(&self) -> [Vec<Break>; 2] {
+        [self.knots_u.derivative_breaks(), self.knots_v.derivative_breaks()]
+    }
+
+    fn nearest_control_parameter(&self, x: &Vector3<f64>) -> Option<[f64; 2]> {
+        let index = nearest_index(&self.control_points, x)?;
+        let (i, j) = (index / self.n_v(), index % self.n_v());
+        let at = |knots: &KnotVector, k| knots.normalize(knots.greville_at(k));
+        Some([at(&self.knots_u, i), at(&self.knots_v, j)])
     }
 }

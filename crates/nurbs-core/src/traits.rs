@@ -3,6 +3,16 @@
 use crate::{CurveJet, Interval, SurfaceJet};
 use nalgebra::{SVector, Vector3};
 
+/// A parameter at which a shape is not twice continuously differentiable.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Break {
+    /// The parameter.
+    pub parameter: f64,
+    /// How often the shape is continuously differentiable there: 0 at a kink, 1 where only the second
+    /// derivative jumps.
+    pub continuity: usize,
+}
+
 /// A parametric curve in `R^D` that is twice differentiable almost everywhere.
 ///
 /// Object safe. Parameters outside the domain are wrapped into the period if there is one; without
@@ -29,6 +39,20 @@ pub trait ParametricCurve<const D: usize> {
     /// The point alone.
     fn point(&self, t: f64) -> SVector<f64, D> {
         self.jet(t).point
+    }
+
+    /// Where the curve is less than twice continuously differentiable, increasing.
+    ///
+    /// Inside the domain only; a periodic curve also lists the start of its domain if it is such a
+    /// place. Iterations that use second derivatives split there.
+    fn derivative_breaks(&self) -> Vec<Break> {
+        Vec::new()
+    }
+
+    /// The Greville parameter of the control point nearest to `x`, if there is a control polygon.
+    fn nearest_control_parameter(&self, x: &SVector<f64, D>) -> Option<f64> {
+        let _ = x;
+        None
     }
 }
 
@@ -58,6 +82,19 @@ pub trait ParametricSurface {
     fn point(&self, u: f64, v: f64) -> Vector3<f64> {
         self.jet(u, v).point
     }
+
+    /// Where the surface is less than twice continuously differentiable in `u` and in `v`, increasing.
+    ///
+    /// As for [`ParametricCurve::derivative_breaks`], in each direction.
+    fn derivative_breaks(&self) -> [Vec<Break>; 2] {
+        [Vec::new(), Vec::new()]
+    }
+
+    /// The Greville parameters of the control point nearest to `x`, if there is a control net.
+    fn nearest_control_parameter(&self, x: &Vector3<f64>) -> Option<[f64; 2]> {
+        let _ = x;
+        None
+    }
 }
 
 macro_rules! forward {
@@ -77,6 +114,12 @@ macro_rules! forward {
             }
             fn point(&self, t: f64) -> SVector<f64, D> {
                 (**self).point(t)
+            }
+            fn derivative_breaks(&self) -> Vec<Break> {
+                (**self).derivative_breaks()
+            }
+            fn nearest_control_parameter(&self, x: &SVector<f64, D>) -> Option<f64> {
+                (**self).nearest_control_parameter(x)
             }
         }
     )*};
@@ -100,6 +143,12 @@ macro_rules! forward_surface {
             }
             fn point(&self, u: f64, v: f64) -> Vector3<f64> {
                 (**self).point(u, v)
+            }
+            fn derivative_breaks(&self) -> [Vec<Break>; 2] {
+                (**self).derivative_breaks()
+            }
+            fn nearest_control_parameter(&self, x: &Vector3<f64>) -> Option<[f64; 2]> {
+                (**self).nearest_control_parameter(x)
             }
         }
     )*};

@@ -1,6 +1,7 @@
 //! Offsets of plane curves.
 
-use crate::{BsplineCurve, CurveJet, Interval, ParametricCurve};
+use super::breaks_of_offset;
+use crate::{Break, BsplineCurve, CurveJet, Interval, ParametricCurve};
 use nalgebra::{SVector, Vector2};
 
 /// A curve that also knows its third derivative.
@@ -77,6 +78,10 @@ impl<C: ThirdOrderCurve<2>> ParametricCurve<2> for OffsetCurve<C> {
 
     fn breaks(&self) -> Vec<f64> {
         self.base.breaks()
+    }
+
+    fn derivative_breaks(&self) -> Vec<Break> {
+        breaks_of_offset(self.base.breaks(), self.base.derivative_breaks())
     }
 
     fn jet(&self, t: f64) -> CurveJet<2> {

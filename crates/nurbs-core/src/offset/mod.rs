@@ -12,3 +12,16 @@ mod surface;
 
 pub use curve::{OffsetCurve, ThirdOrderCurve};
 pub use surface::{OffsetSurface, SurfaceThird, ThirdOrderSurface};
+
+use crate::Break;
+
+/// Breaks of an offset from the breaks of its base: the normal costs one order of smoothness.
+fn breaks_of_offset(knots: Vec<f64>, base: Vec<Break>) -> Vec<Break> {
+    let mut breaks: Vec<Break> =
+        base.iter().map(|b| Break { continuity: b.continuity.saturating_sub(1), ..*b }).collect();
+    // Knots that are no breaks of the base: its third derivative may jump there.
+    let smooth = knots.into_iter().filter(|&t| base.iter().all(|b| b.parameter != t));
+    breaks.extend(smooth.map(|parameter| Break { parameter, continuity: 1 }));
+    breaks.sort_by(|a, b| a.parameter.total_cmp(&b.parameter));
+    breaks
+}

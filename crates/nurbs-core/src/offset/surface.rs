@@ -1,6 +1,7 @@
 //! Offsets of surfaces.
 
-use crate::{BsplineSurface, Interval, ParametricSurface, SurfaceJet};
+use super::breaks_of_offset;
+use crate::{Break, BsplineSurface, Interval, ParametricSurface, SurfaceJet};
 use nalgebra::Vector3;
 
 /// Partial derivatives of the third order.
@@ -120,6 +121,11 @@ impl<S: ThirdOrderSurface> ParametricSurface for OffsetSurface<S> {
 
     fn breaks(&self) -> [Vec<f64>; 2] {
         self.base.breaks()
+    }
+
+    fn derivative_breaks(&self) -> [Vec<Break>; 2] {
+        let ([knots_u, knots_v], [base_u, base_v]) = (self.base.breaks(), self.base.derivative_breaks());
+        [breaks_of_offset(knots_u, base_u), breaks_of_offset(knots_v, base_v)]
     }
 
     fn jet(&self, u: f64, v: f64) -> SurfaceJet {

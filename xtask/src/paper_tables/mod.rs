@@ -1,0 +1,66 @@
+//! `cargo xtask paper-tables`: Tables 1 to 5 of \[HW05\], computed and compared with what is printed.
+
+mod compute;
+mod digits;
+mod printed;
+mod render;
+#[cfg(test)]
+mod tests;
+
+use crate::{Failure, generated};
+use compute::Table;
+
+/// Where the tables are written.
+const DOCUMENT: &str = "docs/paper-tables.md";
+
+/// Prints the tables and writes [`DOCUMENT`]; with `--check` fails if it is out of date. Fails in any case
+/// if a number that is not listed as a misprint differs, or a listed one does not.
+pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
+    let check = generated::is_check(arguments)?;
+    let tables =
+        compute::tables().map_err(|error| Failure::Failed(format!("an example is invalid: {error}")))?;
+    for table in &tables {
+        println!("{}", render::table(table));
+    }
+    let wrong = disagreements(&tables);
+    if !wrong.is_empty() {
+        return Err(Failure::Failed(format!("not as printed, nor as listed:\n{}", wrong.join("\n"))));
+    }
+    generated::write_or_check(DOCUMENT, &render::document(&tables), check, "paper-tables")
+}
+
+/// Every number whose agreement with the paper is not what [`printed`] says of it.
+fn disagreements(tables: &[Table]) -> Vec<String> {
+    let mut found = Vec::new();
+    for table in tables {
+        for block in &table.blocks {
+            for row in &block.rows {
+                for (i, (&step, printed)) in row.computed.iter().zip(row.printed).enumerate() {
+                    let computed = digits::two_digits(step);
+                    if (computed == printed.text) == printed.misprint {
+                        let (label, k) = (&row.label, block.steps[i]);
+                        found.push(format!(
+                            "Table {}, {}, {label}, step {k}: printed {}{}, computed {computed}",
+                            table.number,
+                            block.title,
+                            printed.text,
+                            if printed.misprint { " (listed as a misprint)" } else { "" }
+                        ));
+                    }
+                }
+            }
+            for solution in &block.solutions {
+                let Some(printed) = solution.printed else { continue };
+                let computed = render::as_many_decimals(solution.computed, printed.text);
+                if (computed == printed.text) == printed.misprint {
+                    let (number, title, name) = (table.number, &block.title, solution.name);
+                    let text = printed.text;
+                    found.push(format!(
+                        "Table {number}, {title}, {name}: printed {text}, computed {computed}"
+                    ));
+                }
+            }
+        }
+    }
+    found
+}

@@ -1,0 +1,51 @@
+use super::*;
+
+/// The parameters of the footpoints, computed with 40 digits.
+const SOLUTIONS: [(usize, usize, &[f64]); 7] = [
+    (1, 0, &[0.982_347_293_153_578]),
+    (1, 1, &[1.783_812_656_106_892]),
+    (2, 0, &[0.769_514_010_309_026]),
+    (2, 1, &[0.622_341_923_826_841]),
+    (3, 0, &[0.622_341_923_826_841]),
+    (4, 0, &[0.861_446_923_730_362, 0.558_521_787_429_644]),
+    (5, 0, &[0.128_847_832_731_207, 0.674_180_665_992_584]),
+];
+
+#[test]
+fn every_number_is_as_printed_or_a_listed_misprint() {
+    let tables = compute::tables().unwrap();
+    assert_eq!(disagreements(&tables), Vec::<String>::new());
+    let printed = || tables.iter().flat_map(|t| &t.blocks).flat_map(|b| &b.rows).flat_map(|r| r.printed);
+    assert_eq!((printed().count(), printed().filter(|p| p.misprint).count()), (118, 12));
+}
+
+#[test]
+fn solutions_are_exact() {
+    let tables = compute::tables().unwrap();
+    for (number, block, expected) in SOLUTIONS {
+        let found = &tables[number - 1].blocks[block].solutions;
+        assert_eq!(found.len(), expected.len());
+        for (solution, expected) in found.iter().zip(expected) {
+            assert!((solution.computed - expected).abs() < 2e-12, "Table {number}: {solution:?}");
+        }
+    }
+}
+
+#[test]
+fn snapshots_of_the_tables() {
+    let tables = compute::tables().unwrap();
+    let names = ["table_1", "table_2", "table_3", "table_4", "table_5"];
+    assert_eq!(tables.len(), names.len());
+    for (name, table) in names.iter().zip(&tables) {
+        insta::assert_snapshot!(*name, render::table(table));
+    }
+}
+
+#[test]
+fn a_changed_number_is_noticed() {
+    let mut tables = compute::tables().unwrap();
+    tables[0].blocks[0].rows[1].computed[0] *= 1.1;
+    tables[3].blocks[0].rows[0].computed[1] /= 10.0;
+    assert_eq!(disagreements(&tables).len(), 2);
+    assert!(render::document(&tables).contains("differs"));
+}
