@@ -19,8 +19,11 @@
 //! ```
 
 pub mod basis;
+mod basis_fixed;
+mod batch;
 mod bezier;
 mod curve;
+mod curve_eval;
 mod direction;
 mod error;
 mod fit;
@@ -32,7 +35,10 @@ mod knot_ops;
 mod knots;
 mod modify;
 mod rational;
+mod simd;
+mod span_table;
 mod surface;
+mod surface_eval;
 mod traits;
 
 pub use bezier::{BezierCurve, BezierPatch};
