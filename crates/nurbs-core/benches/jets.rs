@@ -157,6 +157,16 @@ fn batches(c: &mut Criterion) {
             b.iter(|| s.jets(black_box(&params), black_box(&mut out)).expect("equal lengths"));
         });
     }
+    let (s, params) = (surface(3, 3, 50, false), parameters(100_000));
+    let mut out = vec![s.jet(0.0, 0.0); params.len()];
+    group.throughput(Throughput::Elements(params.len() as u64));
+    group.bench_function("bicubic/100000-on-50x50-one-by-one", |b| {
+        b.iter(|| {
+            for (&[u, v], jet) in black_box(&params).iter().zip(black_box(&mut out)) {
+                *jet = s.jet(u, v);
+            }
+        });
+    });
     let (s, params) = (surface(3, 3, 20, false), parameters(4096));
     let mut out = vec![Vector3::zeros(); params.len()];
     group.throughput(Throughput::Elements(params.len() as u64));

@@ -63,9 +63,12 @@ impl BsplineSurface {
         let mut z = [0.0; 6];
         for (i, b) in bu.iter().take(self.degree_u() + 1).enumerate() {
             let points = &self.control_points()[self.row_start(span_u, span_v, i)..][..M];
-            let (mut rxy, mut rz) = ([Vector2::zeros(); 3], [0.0; 3]);
-            for j in 0..M {
-                let (p, q) = (Vector2::new(points[j].x, points[j].y), points[j].z);
+            // The first terms are the sums so far: nothing is added to zero.
+            let (p, q) = (points[0].xy(), points[0].z);
+            let mut rxy = [p * bv[0][0], p * bv[1][0], p * bv[2][0]];
+            let mut rz = [q * bv[0][0], q * bv[1][0], q * bv[2][0]];
+            for j in 1..M {
+                let (p, q) = (points[j].xy(), points[j].z);
                 for k in 0..3 {
                     rxy[k] += p * bv[k][j];
                     rz[k] += q * bv[k][j];
@@ -102,10 +105,10 @@ impl BsplineSurface {
                 let w = weights[j];
                 let p = points[j] * w;
                 for k in 0..3 {
-                    r[0][k] += p.x * bv[k][j];
-                    r[1][k] += p.y * bv[k][j];
-                    r[2][k] += p.z * bv[k][j];
-                    r[3][k] += w * bv[k][j];
+                    let terms = [p.x * bv[k][j], p.y * bv[k][j], p.z * bv[k][j], w * bv[k][j]];
+                    for c in 0..4 {
+                        r[c][k] = if j == 0 { terms[c] } else { r[c][k] + terms[c] };
+                    }
                 }
             }
             for c in 0..4 {
@@ -167,15 +170,17 @@ impl BsplineSurface {
         for (i, b) in bu.iter().take(self.degree_u() + 1).enumerate() {
             let start = self.row_start(span_u, span_v, i);
             let points = &self.control_points()[start..][..M];
-            let (mut r, mut rw) = (Vector3::zeros(), 0.0);
+            let (mut r, mut rw) = (points[0], 1.0);
             if let Some(weights) = self.weights() {
                 let weights = &weights[start..][..M];
-                for j in 0..M {
+                (r, rw) = (r * weights[0] * bv[0], weights[0] * bv[0]);
+                for j in 1..M {
                     r += points[j] * weights[j] * bv[j];
                     rw += weights[j] * bv[j];
                 }
             } else {
-                for j in 0..M {
+                r *= bv[0];
+                for j in 1..M {
                     r += points[j] * bv[j];
                 }
             }

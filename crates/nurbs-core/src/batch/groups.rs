@@ -41,32 +41,38 @@ impl<const D: usize> Groups<D> {
         let count = params.len();
         self.keys.clear();
         self.keys.extend(params.iter().map(|&p| key(numbers(p))));
+        self.order.clear();
+        self.order.extend((0..).zip(&self.keys).map(|(index, _): (u32, _)| index));
         if key_count <= 4 * count {
-            self.places.clear();
-            self.places.resize(key_count, 0);
-            for &key in &self.keys {
-                self.places[key] += 1;
-            }
-            let mut place = 0;
-            for slot in &mut self.places {
-                place += std::mem::replace(slot, place);
-            }
-            self.order.clear();
-            self.order.resize(count, 0);
-            for (index, &key) in (0..).zip(&self.keys) {
-                self.order[self.places[key]] = index;
-                self.places[key] += 1;
-            }
+            self.sort_by_counting(key_count);
         } else {
-            self.order.clear();
-            self.order.extend((0..).zip(&self.keys).map(|(index, _): (u32, _)| index));
             self.order.sort_unstable_by_key(|&index| (self.keys[index as usize], index));
         }
-        for d in 0..D {
-            self.sorted[d].clear();
-            self.sorted[d].extend(self.order.iter().map(|&index| numbers(params[index as usize])[d]));
+        for sorted in &mut self.sorted {
             // What follows the last parameter fills up vectors, and is evaluated for nothing.
-            self.sorted[d].extend([0.0; MAX_LANES]);
+            sorted.resize(count + MAX_LANES, 0.0);
+        }
+        for (place, &index) in self.order.iter().enumerate() {
+            let parameter = numbers(params[index as usize]);
+            for d in 0..D {
+                self.sorted[d][place] = parameter[d];
+            }
+        }
+    }
+
+    fn sort_by_counting(&mut self, key_count: usize) {
+        self.places.clear();
+        self.places.resize(key_count, 0);
+        for &key in &self.keys {
+            self.places[key] += 1;
+        }
+        let mut place = 0;
+        for slot in &mut self.places {
+            place += std::mem::replace(slot, place);
+        }
+        for (index, &key) in (0..).zip(&self.keys) {
+            self.order[self.places[key]] = index;
+            self.places[key] += 1;
         }
     }
 

@@ -235,8 +235,9 @@ fn sums<L: Lanes, const M: usize, const RATIONAL: bool, const C: usize>(
     let mut sum = [zero; 6];
     for (i, b) in bu.iter().take(surface.degree_u() + 1).enumerate() {
         let start = surface.row_start(span_u, span_v, i);
-        let mut r = [zero; 3];
-        for j in 0..M {
+        let x = l.splat(surface.homogeneous::<RATIONAL, C>(start));
+        let mut r = [l.mul(x, bv[0][0]), l.mul(x, bv[1][0]), l.mul(x, bv[2][0])];
+        for j in 1..M {
             let x = l.splat(surface.homogeneous::<RATIONAL, C>(start + j));
             r[0] = l.add(r[0], l.mul(x, bv[0][j]));
             r[1] = l.add(r[1], l.mul(x, bv[1][j]));
@@ -328,8 +329,8 @@ fn sum<L: Lanes, const M: usize, const RATIONAL: bool, const C: usize>(
     let mut sum = l.splat(0.0);
     for (i, b) in bu.iter().take(surface.degree_u() + 1).enumerate() {
         let start = surface.row_start(span_u, span_v, i);
-        let mut r = l.splat(0.0);
-        for j in 0..M {
+        let mut r = l.mul(l.splat(surface.homogeneous::<RATIONAL, C>(start)), bv[0]);
+        for j in 1..M {
             let x = l.splat(surface.homogeneous::<RATIONAL, C>(start + j));
             r = l.add(r, l.mul(x, bv[j]));
         }
