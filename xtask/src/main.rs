@@ -2,6 +2,7 @@
 //!
 //! One file per command, listed in [`COMMANDS`]; arguments are read by hand so that this crate builds quickly and pulls in nothing.
 
+mod bench;
 mod convergence;
 mod examples;
 mod generated;
@@ -22,6 +23,12 @@ struct Command {
 
 /// Every chore, in the order of the help text.
 const COMMANDS: &[Command] = &[
+    Command {
+        name: "bench",
+        arguments: "[--quick] [--report-only]",
+        about: "run all benchmarks and write docs/benchmarks.md; --report-only takes the results of the last run",
+        run: bench::run,
+    },
     Command {
         name: "tidy",
         arguments: "",

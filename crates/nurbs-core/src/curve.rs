@@ -98,38 +98,6 @@ impl<const D: usize> BsplineCurve<D> {
         (self.knots, self.control_points, self.weights)
     }
 
-    /// The jet at `t`, when `t` is known to lie in (or is to be continued from) the given span.
-    #[must_use]
-    pub fn jet_in_span(&self, span: usize, t: f64) -> CurveJet<D> {
-        let p = self.degree();
-        let mut rows = [[0.0; MAX_DEGREE + 1]; 3];
-        basis::jet(&self.knots, span, t, &mut rows);
-        let first = span - p;
-        let points = &self.control_points[first..=span];
-        let mut a = [SVector::<f64, D>::zeros(); 3];
-        match &self.weights {
-            None => {
-                for (j, point) in points.iter().enumerate() {
-                    for d in 0..3 {
-                        a[d] += point * rows[d][j];
-                    }
-                }
-                CurveJet { point: a[0], d1: a[1], d2: a[2] }
-            }
-            Some(weights) => {
-                let mut w = [0.0; 3];
-                for (j, (point, weight)) in points.iter().zip(&weights[first..=span]).enumerate() {
-                    for d in 0..3 {
-                        let b = rows[d][j] * weight;
-                        a[d] += point * b;
-                        w[d] += b;
-                    }
-                }
-                rational::curve_jet(&a, &w)
-            }
-        }
-    }
-
     /// Derivatives of order `0..=order` at `t`; element `k` is the `k`-th derivative ([PT97, A3.2, A4.2]).
     #[must_use]
     pub fn derivatives(&self, t: f64, order: usize) -> Vec<SVector<f64, D>> {
@@ -153,7 +121,8 @@ impl<const D: usize> BsplineCurve<D> {
         a
     }
 
-    fn wrap(&self, t: f64) -> f64 {
+    #[inline]
+    pub(crate) fn wrap(&self, t: f64) -> f64 {
         if self.knots.is_periodic() { self.knots.normalize(t) } else { t }
     }
 }
@@ -178,18 +147,7 @@ impl<const D: usize> ParametricCurve<D> for BsplineCurve<D> {
 
     fn point(&self, t: f64) -> SVector<f64, D> {
         let t = self.wrap(t);
-        let (p, span) = (self.degree(), self.knots.span(t));
-        let mut row = [0.0; MAX_DEGREE + 1];
-        basis::values(&self.knots, span, t, &mut row);
-        let mut a = SVector::zeros();
-        let mut w = 0.0;
-        for j in 0..=p {
-            let i = span - p + j;
-            let b = row[j] * self.weight(i);
-            a += self.control_points[i] * b;
-            w += b;
-        }
-        if self.weights.is_some() { a / w } else { a }
+        self.point_in_span(self.knots.span(t), t)
     }
 
     fn derivative_breaks(&self) -> Vec<Break> {

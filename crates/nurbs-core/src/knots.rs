@@ -1,5 +1,6 @@
 //! Validated knot vectors.
 
+use crate::span_table::SpanTable;
 use crate::{Break, Error, Interval};
 
 /// Highest degree that the kernel evaluates; basis functions live in arrays of this size on the stack.
@@ -21,6 +22,7 @@ pub struct KnotVector {
     degree: usize,
     knots: Vec<f64>,
     periodic: bool,
+    table: SpanTable,
 }
 
 impl KnotVector {
@@ -32,7 +34,7 @@ impl KnotVector {
     /// an empty domain.
     pub fn new(degree: usize, knots: Vec<f64>) -> Result<Self, Error> {
         validate(degree, &knots)?;
-        Ok(Self { degree, knots, periodic: false })
+        Ok(Self::assemble(degree, knots, false))
     }
 
     /// A periodic knot vector: all `n + p + 1` knots, those outside the domain included.
@@ -54,7 +56,18 @@ impl KnotVector {
                 return Err(Error::NotPeriodic { index: i + n - degree, value, expected, period });
             }
         }
-        Ok(Self { degree, knots, periodic: true })
+        Ok(Self::assemble(degree, knots, true))
+    }
+
+    /// From parts that are known to be valid.
+    fn assemble(degree: usize, knots: Vec<f64>, periodic: bool) -> Self {
+        let table = SpanTable::new(degree, &knots);
+        Self { degree, knots, periodic, table }
+    }
+
+    /// Spans and reciprocals worked out in advance.
+    pub(crate) fn table(&self) -> &SpanTable {
+        &self.table
     }
 
     /// The clamped vector with `n` basis functions and equally spaced inner knots on `[0, 1]`.
@@ -154,15 +167,9 @@ impl KnotVector {
     ///
     /// Parameters outside the domain get the first or last span of the domain ([PT97, A2.1]).
     #[must_use]
+    #[inline]
     pub fn span(&self, t: f64) -> usize {
-        let (p, n) = (self.degree, self.basis_count());
-        if t >= self.knots[n] {
-            return self.last_span();
-        }
-        if t.is_nan() || t < self.knots[p] {
-            return self.first_span();
-        }
-        p + self.knots[p..=n].partition_point(|&k| k <= t) - 1
+        self.table.span(self.degree, &self.knots, t)
     }
 
     /// [`span`](Self::span) with a guess: when `t` lies in span `hint` no search is made.
@@ -170,16 +177,6 @@ impl KnotVector {
     pub fn span_from(&self, t: f64, hint: usize) -> usize {
         let valid = hint >= self.degree && hint < self.basis_count();
         if valid && self.knots[hint] <= t && t < self.knots[hint + 1] { hint } else { self.span(t) }
-    }
-
-    fn first_span(&self) -> usize {
-        let (p, n) = (self.degree, self.basis_count());
-        (p..n).find(|&i| self.knots[i + 1] > self.knots[i]).unwrap_or(p)
-    }
-
-    fn last_span(&self) -> usize {
-        let (p, n) = (self.degree, self.basis_count());
-        (p..n).rev().find(|&i| self.knots[i + 1] > self.knots[i]).unwrap_or(p)
     }
 
     /// Indices of all non-empty spans of the domain, in order.
@@ -265,7 +262,7 @@ impl KnotVector {
                 to.start() + (t - from.start()) * scale
             }
         };
-        Self { knots: self.knots.iter().map(|&t| map(t)).collect(), ..*self }
+        Self::assemble(self.degree, self.knots.iter().map(|&t| map(t)).collect(), self.periodic)
     }
 
     /// The knots of the same shape run through backwards: `t ↦ start + end − t`.
@@ -282,7 +279,7 @@ impl KnotVector {
                 sum - t
             }
         };
-        Self { knots: self.knots.iter().rev().map(|&t| mirror(t)).collect(), ..*self }
+        Self::assemble(self.degree, self.knots.iter().rev().map(|&t| mirror(t)).collect(), self.periodic)
     }
 
     /// Clamped knots for interpolation at the parameters `params` by averaging ([PT97, eq. (9.8)]).

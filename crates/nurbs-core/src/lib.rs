@@ -20,11 +20,14 @@
 
 mod analytic;
 pub mod basis;
+mod basis_fixed;
+mod batch;
 mod bernstein;
 mod bezier;
 mod bounds;
 pub mod construct;
 mod curve;
+mod curve_eval;
 mod differential;
 mod direction;
 mod error;
@@ -39,7 +42,10 @@ mod measure;
 mod modify;
 mod offset;
 mod rational;
+mod simd;
+mod span_table;
 mod surface;
+mod surface_eval;
 mod tessellate;
 mod traits;
 

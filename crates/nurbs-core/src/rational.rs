@@ -1,16 +1,16 @@
 //! From homogeneous derivatives to those of the rational shape: the quotient rule.
 
-use crate::{CurveJet, SurfaceJet};
+use crate::simd::Lanes;
 use nalgebra::{SVector, Vector3};
 
-/// Jet of `a / w` from the derivatives of `a` and `w` ([PT97, eq. (4.8)]).
-#[inline]
-pub(crate) fn curve_jet<const D: usize>(a: &[SVector<f64, D>; 3], w: &[f64; 3]) -> CurveJet<D> {
-    let inverse = 1.0 / w[0];
-    let point = a[0] * inverse;
-    let d1 = (a[1] - point * w[1]) * inverse;
-    let d2 = (a[2] - d1 * (2.0 * w[1]) - point * w[2]) * inverse;
-    CurveJet { point, d1, d2 }
+/// One coordinate of the jet of `a / w` of a curve; `inverse` is `1 / w[0]` ([PT97, eq. (4.8)]).
+#[inline(always)]
+pub(crate) fn curve_quotient<L: Lanes>(l: L, a: &[L::V; 3], w: &[L::V; 3], inverse: L::V) -> [L::V; 3] {
+    let point = l.mul(a[0], inverse);
+    let d1 = l.mul(l.sub(a[1], l.mul(point, w[1])), inverse);
+    let first_order = l.mul(l.add(d1, d1), w[1]);
+    let d2 = l.mul(l.sub(l.sub(a[2], first_order), l.mul(point, w[2])), inverse);
+    [point, d1, d2]
 }
 
 /// Derivatives of `a / w` of every order, in place ([PT97, A4.2]).
@@ -26,21 +26,17 @@ pub(crate) fn curve_derivatives<const D: usize>(a: &mut [SVector<f64, D>], w: &[
     }
 }
 
-/// Jet of `a / w`; `a` and `w` hold value, `u`, `v`, `uu`, `uv`, `vv` ([PT97, eq. (4.20)]).
-#[inline]
-pub(crate) fn surface_jet(a: &[Vector3<f64>; 6], w: &[f64; 6]) -> SurfaceJet {
-    let inverse = 1.0 / w[0];
-    let point = a[0] * inverse;
-    let du = (a[1] - point * w[1]) * inverse;
-    let dv = (a[2] - point * w[2]) * inverse;
-    SurfaceJet {
-        point,
-        du,
-        dv,
-        duu: (a[3] - du * (2.0 * w[1]) - point * w[3]) * inverse,
-        duv: (a[4] - du * w[2] - dv * w[1] - point * w[4]) * inverse,
-        dvv: (a[5] - dv * (2.0 * w[2]) - point * w[5]) * inverse,
-    }
+/// One coordinate of the jet of `a / w`; `a` and `w` hold value, `u`, `v`, `uu`, `uv`, `vv`, and `inverse`
+/// is `1 / w[0]` ([PT97, eq. (4.20)]).
+#[inline(always)]
+pub(crate) fn surface_quotient<L: Lanes>(l: L, a: &[L::V; 6], w: &[L::V; 6], inverse: L::V) -> [L::V; 6] {
+    let point = l.mul(a[0], inverse);
+    let du = l.mul(l.sub(a[1], l.mul(point, w[1])), inverse);
+    let dv = l.mul(l.sub(a[2], l.mul(point, w[2])), inverse);
+    let duu = l.sub(l.sub(a[3], l.mul(l.add(du, du), w[1])), l.mul(point, w[3]));
+    let duv = l.sub(l.sub(a[4], l.add(l.mul(du, w[2]), l.mul(dv, w[1]))), l.mul(point, w[4]));
+    let dvv = l.sub(l.sub(a[5], l.mul(l.add(dv, dv), w[2])), l.mul(point, w[5]));
+    [point, du, dv, l.mul(duu, inverse), l.mul(duv, inverse), l.mul(dvv, inverse)]
 }
 
 /// Mixed derivatives of `a / w` for all orders `k + l ≤ order`, in place; index `[k][l]` ([PT97, A4.4]).

@@ -140,52 +140,6 @@ impl BsplineSurface {
         (self.knots_u, self.knots_v, self.control_points, self.weights)
     }
 
-    /// The jet at `(u, v)`, when these are known to lie in (or are to be continued from) the given spans.
-    #[must_use]
-    pub fn jet_in_span(&self, span_u: usize, span_v: usize, u: f64, v: f64) -> SurfaceJet {
-        let mut bu = [[0.0; MAX_DEGREE + 1]; 3];
-        let mut bv = [[0.0; MAX_DEGREE + 1]; 3];
-        basis::jet(&self.knots_u, span_u, u, &mut bu);
-        basis::jet(&self.knots_v, span_v, v, &mut bv);
-        let (p, q, n_v) = (self.degree_u(), self.degree_v(), self.n_v());
-        // Order: value, u, v, uu, uv, vv.
-        let mut a = [Vector3::zeros(); 6];
-        let mut w = [0.0; 6];
-        for i in 0..=p {
-            let start = (span_u - p + i) * n_v + span_v - q;
-            let row = &self.control_points[start..=start + q];
-            let mut r = [Vector3::zeros(); 3];
-            let mut rw = [0.0; 3];
-            match &self.weights {
-                None => {
-                    for (j, point) in row.iter().enumerate() {
-                        for d in 0..3 {
-                            r[d] += point * bv[d][j];
-                        }
-                    }
-                }
-                Some(weights) => {
-                    for (j, (point, weight)) in row.iter().zip(&weights[start..=start + q]).enumerate() {
-                        for d in 0..3 {
-                            let b = bv[d][j] * weight;
-                            r[d] += point * b;
-                            rw[d] += b;
-                        }
-                    }
-                }
-            }
-            for (slot, (k, l)) in [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)].into_iter().enumerate() {
-                a[slot] += r[l] * bu[k][i];
-                w[slot] += rw[l] * bu[k][i];
-            }
-        }
-        if self.weights.is_some() {
-            return rational::surface_jet(&a, &w);
-        }
-        let [point, du, dv, duu, duv, dvv] = a;
-        SurfaceJet { point, du, dv, duu, duv, dvv }
-    }
-
     /// Partial derivatives `∂^{k+l} s / ∂u^k ∂v^l` for `k + l ≤ order`, at index `[k][l]`
     /// ([PT97, A3.6, A4.4]); entries above the order are zero.
     #[must_use]
@@ -217,7 +171,8 @@ impl BsplineSurface {
         a
     }
 
-    fn wrap(&self, u: f64, v: f64) -> (f64, f64) {
+    #[inline]
+    pub(crate) fn wrap(&self, u: f64, v: f64) -> (f64, f64) {
         let wrap = |knots: &KnotVector, t: f64| if knots.is_periodic() { knots.normalize(t) } else { t };
         (wrap(&self.knots_u, u), wrap(&self.knots_v, v))
     }
@@ -244,21 +199,7 @@ impl ParametricSurface for BsplineSurface {
     fn point(&self, u: f64, v: f64) -> Vector3<f64> {
         let (u, v) = self.wrap(u, v);
         let (span_u, span_v) = (self.knots_u.span(u), self.knots_v.span(v));
-        let (p, q) = (self.degree_u(), self.degree_v());
-        let (mut bu, mut bv) = ([0.0; MAX_DEGREE + 1], [0.0; MAX_DEGREE + 1]);
-        basis::values(&self.knots_u, span_u, u, &mut bu);
-        basis::values(&self.knots_v, span_v, v, &mut bv);
-        let mut a = Vector3::zeros();
-        let mut w = 0.0;
-        for i in 0..=p {
-            let start = (span_u - p + i) * self.n_v() + span_v - q;
-            for j in 0..=q {
-                let b = bu[i] * bv[j] * self.weights.as_ref().map_or(1.0, |w| w[start + j]);
-                a += self.control_points[start + j] * b;
-                w += b;
-            }
-        }
-        if self.weights.is_some() { a / w } else { a }
+        self.point_in_span(span_u, span_v, u, v)
     }
 
     fn derivative_breaks(&self) -> [Vec<Break>; 2] {
