@@ -1,0 +1,11 @@
+//! What the tests of the projectors share: one form of answer, random shapes, brute force.
+
+#![allow(dead_code, reason = "each test file uses a part of it")]
+
+pub(crate) mod answer;
+pub(crate) mod oracle;
+pub(crate) mod shapes;
+
+/// Random knots, curves, surfaces and frames, as the tests of the kernel use them.
+#[path = "../../../nurbs-core/tests/random/mod.rs"]
+pub(crate) mod random;
