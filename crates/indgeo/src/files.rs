@@ -10,7 +10,11 @@ pub(crate) fn check_writable(path: &Path, inputs: &[&Path]) -> Result<(), Error>
     if let Ok(target) = fs::canonicalize(path)
         && inputs.iter().any(|input| fs::canonicalize(input).is_ok_and(|input| input == target))
     {
-        return Err(Error::content(path, "this would overwrite an input", "choose another name for the output"));
+        return Err(Error::content(
+            path,
+            "this would overwrite an input",
+            "choose another name for the output",
+        ));
     }
     // Opening a target that is no ordinary file has effects (a pipe waits for its reader), so this is left to the writer.
     let is_special = fs::metadata(path).is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir());

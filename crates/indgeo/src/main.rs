@@ -8,9 +8,11 @@ mod model;
 mod output;
 mod points;
 mod progress;
+mod projection;
 mod report;
 mod session;
 mod statistics;
+mod summary;
 mod target;
 mod threads;
 

@@ -54,7 +54,9 @@ impl Loaded {
                 let shapes = shapes.map(|(index, shape)| (kind(shape), name(index))).collect();
                 Ok(Self { model: sort(model.into_shapes(), path)?, shapes, report })
             }
-            Content::Mesh(mesh) => Ok(Self { model: Model::Mesh(mesh), shapes: vec![("mesh", None)], report }),
+            Content::Mesh(mesh) => {
+                Ok(Self { model: Model::Mesh(mesh), shapes: vec![("mesh", None)], report })
+            }
             Content::Cloud(_) => {
                 let what = format!(
                     "a model is needed (NURBS as JSON, or a mesh), but this file holds {} points without triangles",

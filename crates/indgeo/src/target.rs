@@ -124,7 +124,8 @@ impl Target {
                 });
                 let on_curves = curves.as_ref().map(|(projector, indices)| {
                     let found = projector.project_many(&queries, options, progress);
-                    let index = |foot: &CurveFootpoint<3>| indices.get(foot.shape).copied().unwrap_or(u32::MAX);
+                    let index =
+                        |foot: &CurveFootpoint<3>| indices.get(foot.shape).copied().unwrap_or(u32::MAX);
                     found.iter().map(|foot| curve_foot(foot, index(foot))).collect::<Vec<_>>()
                 });
                 Ok(match (on_surfaces, on_curves) {

@@ -93,8 +93,7 @@ mod tests {
             bytes.extend(rows.flat_map(|i| u32::try_from(i).unwrap_or(0).to_le_bytes()));
         })
         .unwrap();
-        let read: Vec<u32> =
-            out.chunks(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
+        let read: Vec<u32> = out.chunks(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
         assert!(read.iter().zip(0u32..).all(|(&a, b)| a == b));
         assert_eq!(read.len(), count);
     }
