@@ -44,6 +44,8 @@ pub(crate) struct Projected {
     pub(crate) points: Points,
     /// One footpoint per point.
     pub(crate) feet: Vec<Foot>,
+    /// The columns of the result.
+    pub(crate) layout: Layout,
 }
 
 /// Does the job and fills in the report.
@@ -72,14 +74,25 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Projected, Error
     drop(progress);
     report.points_per_second = (timings.compute > 0.0).then(|| feet.len() as f64 / timings.compute);
 
-    let table =
-        Table { layout: &layout, points: &points.positions, feet: &feet, triangles: &points.triangles };
-    let bytes = Timings::measure(&mut timings.write, || output::write(job.out, format, &table))?;
-    let content = format!("{} rows: {}", feet.len(), layout.names().join(","));
-    report.outputs.push(Output { path: job.out.to_path_buf(), bytes, content });
     report.timings = timings;
-    report.results = Some(Results::Projection(Box::new(results(&points, &feet, job, &layout, &shapes))));
-    Ok(Projected { points, feet })
+    let projected = Projected { points, feet, layout };
+    write(job.out, format, &projected, report)?;
+    report.results = Some(Results::Projection(Box::new(results(&projected, job, &shapes))));
+    Ok(projected)
+}
+
+/// Writes the result once more, in the format of another extension.
+pub(crate) fn write_also(path: &Path, projected: &Projected, report: &mut Report) -> Result<(), Error> {
+    write(path, Format::of(path)?, projected, report)
+}
+
+fn write(path: &Path, format: Format, projected: &Projected, report: &mut Report) -> Result<(), Error> {
+    let Projected { points, feet, layout } = projected;
+    let table = Table { layout, points: &points.positions, feet, triangles: &points.triangles };
+    let bytes = Timings::measure(&mut report.timings.write, || output::write(path, format, &table))?;
+    let content = format!("{} rows: {}", feet.len(), layout.names().join(","));
+    report.outputs.push(Output { path: path.to_path_buf(), bytes, content });
+    Ok(())
 }
 
 /// Whether every finite point of the projection in the report converged.
@@ -120,12 +133,11 @@ fn summarise(target: &Target, shapes: usize) -> ModelSummary {
 }
 
 fn results(
-    points: &Points,
-    feet: &[Foot],
+    projected: &Projected,
     job: &Job<'_>,
-    layout: &Layout,
     shapes: &[(&'static str, Option<String>)],
 ) -> ProjectionResults {
+    let Projected { points, feet, layout } = projected;
     let mut status = BTreeMap::new();
     let mut location = BTreeMap::new();
     let mut multiplicity = BTreeMap::new();
