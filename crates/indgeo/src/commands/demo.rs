@@ -75,7 +75,7 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
 fn explain(zones: &Zones, job: &Job<'_>, svg: &Path) -> String {
     let inside = &zones.inside;
     format!(
-        "Of the scan, {} points lie over the nominal thread and shank, {} beyond them (necks, groove, point).\n\
+        "Of the scan, {} points lie over the nominal thread and shank, {} beyond them (run-outs, necks, point).\n\
          Signed distance to the nominal surface, mm:\n  \
          crests {:+.3} ± {:.3}   flanks {:+.3} ± {:.3}   roots {:+.3} ± {:.3}   (mean ± standard deviation)\n\
          Look at {}: blue crests lie inside the nominal profile; red roots are filled in, in strips along\n\

@@ -21,8 +21,8 @@ pub(crate) struct Bolt {
     /// Rise of the helix in one turn, negative for a left-handed thread.
     turn: f64,
     phase: f64,
-    /// Corners of the nominal profile over one pitch, from crest to crest: position and radius.
-    pub(crate) profile: Vec<[f64; 2]>,
+    /// Corners of the nominal profile over one pitch, from root to root: position relative to the crest, and radius.
+    pub(crate) profile: [[f64; 2]; 6],
 }
 
 /// Cylinder coordinates of a point.
@@ -60,16 +60,8 @@ impl Bolt {
         let text = std::fs::read(path).map_err(|source| Error::File {
             source: industrial_geometry::io::Error::Io { path: path.to_path_buf(), action: "read", source },
         })?;
-        let bolt: Self = serde_json::from_slice(&text)
-            .map_err(|error| Error::content(path, error.to_string(), "take the file from the repository"))?;
-        if bolt.profile.len() < 2 {
-            return Err(Error::content(
-                path,
-                "the profile has no corners",
-                "take the file from the repository",
-            ));
-        }
-        Ok(bolt)
+        serde_json::from_slice(&text)
+            .map_err(|error| Error::content(path, error.to_string(), "take the file from the repository"))
     }
 
     /// Coordinates along the axis and along two directions across it.
@@ -93,7 +85,7 @@ impl Bolt {
 
     /// Statistics by part of the thread; `None` when a part has no points.
     pub(crate) fn zones(&self, projected: &Projected) -> Option<Zones> {
-        let (crest, root) = (self.profile.get(1)?[0], self.pitch - 2.0 * self.profile.get(2)?[0]);
+        let [_, _, _, [end_of_crest, _], [start_of_root, _], _] = self.profile;
         let at = |index: usize| self.position(&self.cylindrical(&projected.points.positions[index])).abs();
         let feet = || projected.feet.iter().enumerate().filter(|(_, foot)| is_inside(foot));
         let part = |low: f64, high: f64| {
@@ -101,11 +93,10 @@ impl Bolt {
             let here = on_thread.filter(move |&(index, _)| (low..high).contains(&at(index)));
             Statistics::of(here.map(|(_, foot)| foot.distance))
         };
-        let start_of_root = 0.5 * (self.pitch - root);
         Some(Zones {
             inside: Statistics::of(feet().map(|(_, foot)| foot.distance))?,
-            crests: part(0.0, crest)?,
-            flanks: part(crest, start_of_root)?,
+            crests: part(0.0, end_of_crest)?,
+            flanks: part(end_of_crest, start_of_root)?,
             roots: part(start_of_root, self.pitch)?,
             beyond: projected.feet.iter().filter(|foot| foot.exists() && !is_inside(foot)).count(),
         })

@@ -8,7 +8,7 @@ use crate::projection::Projected;
 use crate::statistics::Statistics;
 
 const WIDTH: f64 = 1200.0;
-const HEIGHT: f64 = 1064.0;
+const HEIGHT: f64 = 1086.0;
 const INK: &str = "fill=\"#222\"";
 const SOFT: &str = "fill=\"#666\"";
 const BOLD: &str = "fill=\"#111\" font-weight=\"bold\"";
@@ -19,13 +19,13 @@ const RIGHT: f64 = 1164.0;
 
 /// Draws the deviations of the bolt as SVG.
 pub(crate) fn draw(bolt: &Bolt, projected: &Projected, zones: &Zones) -> String {
-    let title = "Scan of a stud bolt against its nominal M12 × 1.75 thread and shank";
+    let title = "Scan of a stud bolt against its nominal M12 × 1.75-LH thread and shank";
     let mut svg = Svg::new(WIDTH, HEIGHT, title);
     svg.text([LEFT - 52.0, 44.0], 25.0, Anchor::Start, BOLD, title);
     let count = projected.points.positions.len();
     let subtitle = format!(
-        "Each of the {count} scanned points is projected onto the nominal NURBS surfaces. Colour: signed distance in mm, \
-         red outside (too much material), blue inside."
+        "{count} scanned points, each projected onto the nominal NURBS surfaces. Colour: signed distance in mm; \
+         red lies outside, blue inside."
     );
     svg.text([LEFT - 52.0, 69.0], 14.5, Anchor::Start, SOFT, &subtitle);
 
@@ -33,9 +33,9 @@ pub(crate) fn draw(bolt: &Bolt, projected: &Projected, zones: &Zones) -> String 
     let height = height_scale(bolt, projected);
     // The side view has the same scale in both directions.
     let scale = (height.pixels[1] - height.pixels[0]) / (height.values[1] - height.values[0]);
-    let across = Scale { values: [-6.4, 6.4], pixels: [88.0 + 12.8 * scale, 88.0] };
+    let across = Scale { values: [-6.4, 6.4], pixels: [110.0 + 12.8 * scale, 110.0] };
     side_view::draw(&mut svg, bolt, projected, height, across, limit);
-    heading(&mut svg, 112.0, "a  Side view");
+    heading(&mut svg, 106.0, "a  Side view of the scan");
 
     let top = across.pixels[0] + 44.0;
     let angle = Scale { values: [0.0, 360.0], pixels: [top + 200.0, top] };
@@ -72,7 +72,7 @@ fn draw_profile(svg: &mut Svg, bolt: &Bolt, projected: &Projected, limit: f64, t
     let y = Scale { values: [4.9, 6.1], pixels: [top + 1.2 * scale, top] };
     frame(svg, x.pixels, y.pixels, "#f4f5f7");
     profile::draw(svg, bolt, projected, x, y, limit);
-    heading(svg, top - 10.0, "c  All turns of the thread laid over each other; black: nominal profile");
+    heading(svg, top - 10.0, "c  All turns laid over each other; black: nominal");
     axes(svg, x, 0.25, y, 0.2, 2);
     svg.text_upwards([LEFT - 46.0, top + 0.6 * scale], 13.0, "distance from the axis, mm");
     let below = [0.5 * (x.pixels[0] + x.pixels[1]), top + 1.2 * scale + 36.0];
@@ -111,13 +111,16 @@ fn draw_numbers(svg: &mut Svg, projected: &Projected, zones: &Zones, limit: f64,
             svg.text([*x, y], 13.5, Anchor::End, INK, &number);
         }
     }
-    let beyond = format!(
-        "Grey: {} points beyond the modelled surfaces (necks, groove, point); their closest point lies on",
-        zones.beyond
-    );
-    svg.text([left, row_at(5.2)], 13.0, Anchor::Start, SOFT, &beyond);
-    let more = "its boundary, so that their distance says nothing about the part.";
-    svg.text([left, row_at(6.0)], 13.0, Anchor::Start, SOFT, more);
+    let notes = [
+        format!(
+            "Grey: {} points beyond the modelled surfaces (run-outs, necks, point). Their",
+            zones.beyond
+        ),
+        "closest point is on the boundary of the model, so their distance is no deviation.".to_owned(),
+    ];
+    for (row, note) in notes.iter().enumerate() {
+        svg.text([left, row_at(5.2 + 0.85 * row as f64)], 13.0, Anchor::Start, SOFT, note);
+    }
 }
 
 fn heading(svg: &mut Svg, y: f64, text: &str) {

@@ -18,16 +18,6 @@ pub(crate) fn draw(svg: &mut Svg, bolt: &Bolt, projected: &Projected, x: Scale, 
     for (step, dots) in groups.iter().enumerate() {
         svg.dots(dots, 2.6, colour::colour(step, 0.92));
     }
-    // The profile runs from crest to crest, the picture from root to root.
-    let half = bolt.profile.iter().filter(|[position, _]| *position <= 0.5 * bolt.pitch).copied();
-    let mut corners: Vec<[f64; 2]> = half.collect();
-    if let Some(&[_, root]) = corners.last() {
-        corners.push([0.5 * bolt.pitch, root]);
-    }
-    let left = corners.iter().rev().map(|&[position, radius]| [-position, radius]);
-    let line: Vec<[f64; 2]> = left
-        .chain(corners.iter().copied())
-        .map(|[position, radius]| [x.at(position), y.at(radius)])
-        .collect();
+    let line = bolt.profile.map(|[position, radius]| [x.at(position), y.at(radius)]);
     svg.polyline(&line, "#111", 2.0);
 }

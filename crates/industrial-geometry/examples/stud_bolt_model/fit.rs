@@ -5,7 +5,7 @@ use industrial_geometry::nurbs::nalgebra::{Matrix3, Point3, SMatrix, SVector, Sy
 use std::f64::consts::TAU;
 
 /// Radial deviation in mm at which a point counts half (Cauchy weights): the scanner does not see to the bottom of every root.
-const SCALE: f64 = 0.05;
+const SCALE: f64 = 0.15;
 
 /// Axis of the bolt and start of its thread.
 #[derive(Clone, Copy, Debug)]
@@ -45,7 +45,7 @@ impl Placement {
     fn deviation(&self, point: &Point3<f64>) -> f64 {
         let [radius, angle, height] = self.coordinates(point);
         let position = (height - self.phase - PITCH * self.hand * angle / TAU) / PITCH;
-        radius - nominal::radius(position - position.floor())
+        radius - nominal::radius(position - position.round())
     }
 
     /// The placement moved by two shifts and two tilts across the axis, and a shift of the phase.

@@ -19,9 +19,9 @@ use std::error::Error;
 use std::path::Path;
 
 /// Where the thread is complete, in mm along the axis from the centroid of the scan (read off a plot of radius over height).
-const THREAD: [f64; 2] = [-11.0, 8.4];
-/// Where the shank is, likewise.
-const SHANK: [f64; 2] = [-24.0, -14.8];
+const THREAD: [f64; 2] = [-10.7, 8.3];
+/// Where the shank is, likewise; it goes on beyond the end of the scan.
+const SHANK: [f64; 2] = [-26.0, -14.7];
 
 fn main() -> Result<(), Box<dyn Error>> {
     let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures");
@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut model = Model::default();
     model.push(
         nominal::thread(&placement, THREAD)?,
-        Some("thread M12 x 1.75 (ISO 68-1 basic profile)".into()),
+        Some("thread M12 x 1.75-LH (ISO 68-1 basic profile)".into()),
     );
     model.push(nominal::shank(&placement, SHANK)?, Some("shank, diameter 12".into()));
     let demo = fixtures.join("demo");

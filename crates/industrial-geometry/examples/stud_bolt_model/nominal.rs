@@ -13,16 +13,17 @@ pub(crate) const PITCH: f64 = 1.75;
 /// Control points per turn of the helix: at 32 the spline stays within 1e-4 mm of the helix.
 const PER_TURN: usize = 32;
 
-/// The corners of the profile over one pitch, from the middle of a crest to the middle of the next: position in pitches, radius.
+/// The corners of the profile over one pitch, from the middle of a root to the middle of the next: position relative to the crest in
+/// pitches, radius.
 ///
 /// ISO 68-1: crest P/8 wide, root P/4 wide, depth 5/8 H with H = √3/2 P, flank angle 60°.
 pub(crate) const PROFILE: [(f64, fn() -> f64); 6] = [
-    (0.0, crest_radius),
+    (-1.0 / 2.0, root_radius),
+    (-3.0 / 8.0, root_radius),
+    (-1.0 / 16.0, crest_radius),
     (1.0 / 16.0, crest_radius),
     (3.0 / 8.0, root_radius),
-    (5.0 / 8.0, root_radius),
-    (15.0 / 16.0, crest_radius),
-    (1.0, crest_radius),
+    (1.0 / 2.0, root_radius),
 ];
 
 /// Radius of the crests.
@@ -35,7 +36,7 @@ pub(crate) fn root_radius() -> f64 {
     0.5 * DIAMETER - 0.625 * 0.75f64.sqrt() * PITCH
 }
 
-/// Radius of the profile at a position between 0 and 1 pitch.
+/// Radius of the profile at a position between −½ and ½ pitch from the crest.
 pub(crate) fn radius(position: f64) -> f64 {
     let pair = PROFILE.windows(2).find(|pair| position <= pair[1].0).unwrap_or(&PROFILE[4..]);
     let ((x0, r0), (x1, r1)) = (pair[0], pair[1]);
@@ -47,9 +48,9 @@ pub(crate) fn radius(position: f64) -> f64 {
 /// profile with a crease at each of its corners. The normal points outwards.
 pub(crate) fn thread(placement: &Placement, heights: [f64; 2]) -> Result<BsplineSurface, Error> {
     let turn = PITCH * placement.hand;
-    // The profile reaches one pitch above the helix of its start.
-    let limits =
-        [heights[0], heights[1] - PITCH].map(|height| (height - placement.phase) / turn * PER_TURN as f64);
+    // The profile reaches half a pitch to both sides of the helix of its crest.
+    let limits = [heights[0] + 0.5 * PITCH, heights[1] - 0.5 * PITCH]
+        .map(|height| (height - placement.phase) / turn * PER_TURN as f64);
     let (first, last) = (limits[0].min(limits[1]).ceil(), limits[0].max(limits[1]).floor());
     let spans = (last - first) as usize;
     let mut rows = Vec::new();
