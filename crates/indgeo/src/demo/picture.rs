@@ -112,10 +112,7 @@ fn draw_numbers(svg: &mut Svg, projected: &Projected, zones: &Zones, limit: f64,
         }
     }
     let notes = [
-        format!(
-            "Grey: {} points beyond the modelled surfaces (run-outs, necks, point). Their",
-            zones.beyond
-        ),
+        format!("Grey: {} points beyond the modelled surfaces (run-outs, necks, point). Their", zones.beyond),
         "closest point is on the boundary of the model, so their distance is no deviation.".to_owned(),
     ];
     for (row, note) in notes.iter().enumerate() {
