@@ -16,6 +16,9 @@ use industrial_geometry::footpoint::{Multiplicity, ProjectionOptions, Status};
 use std::collections::BTreeMap;
 use std::path::Path;
 
+/// Names of the statuses that leave nothing to be wished for; there is no answer for a point that is not finite.
+const GOOD: [&str; 3] = ["converged", "on_boundary", "invalid_point"];
+
 /// What is to be done.
 #[derive(Debug)]
 pub(crate) struct Job<'a> {
@@ -77,7 +80,15 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Projected, Error
     report.timings = timings;
     let projected = Projected { points, feet, layout };
     write(job.out, format, &projected, report)?;
-    report.results = Some(Results::Projection(Box::new(results(&projected, job, &shapes))));
+    let results = results(&projected, job, &shapes);
+    let failed: usize = results.status.iter().filter(|(name, _)| !GOOD.contains(name)).map(|(_, n)| n).sum();
+    if failed > 0 {
+        report.warnings.push(format!(
+            "{failed} of {} points did not converge; their rows say how they ended (exit status 1)",
+            results.points
+        ));
+    }
+    report.results = Some(Results::Projection(Box::new(results)));
     Ok(projected)
 }
 
@@ -98,8 +109,7 @@ fn write(path: &Path, format: Format, projected: &Projected, report: &mut Report
 /// Whether every finite point of the projection in the report converged.
 pub(crate) fn all_converged(report: &Report) -> bool {
     let Some(Results::Projection(results)) = &report.results else { return true };
-    let good = [Status::Converged, Status::OnBoundary, Status::InvalidPoint].map(Status::name);
-    results.status.keys().all(|name| good.contains(name))
+    results.status.keys().all(|name| GOOD.contains(name))
 }
 
 fn warn(report: &mut Report, job: &Job<'_>, loaded: &Loaded, points: &Points) {

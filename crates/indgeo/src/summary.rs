@@ -28,18 +28,13 @@ fn write_projection(text: &mut String, report: &Report) -> std::fmt::Result {
     };
     writeln!(text, "  status    {}", counts(results.status.iter().map(|(&name, &n)| (name, n)).collect()))?;
     if let Some(distance) = &results.distance {
-        writeln!(
-            text,
-            "  distance  min {:.6}  max {:.6}  mean {:.6}  rms {:.6}  median {:.6}",
-            distance.min,
-            distance.max,
-            distance.mean,
-            distance.rms,
-            distance.quantile(0.5).unwrap_or(f64::NAN)
-        )?;
+        let [min, max] = [distance.min, distance.max].map(plain);
+        let [mean, rms] = [distance.mean, distance.rms].map(plain);
+        let median = plain(distance.quantile(0.5).unwrap_or(f64::NAN));
+        writeln!(text, "  distance  min {min}  max {max}  mean {mean}  rms {rms}  median {median}")?;
     }
     if let Some(worst) = &results.worst {
-        writeln!(text, "  worst     {:.6} at point {} (from 0)", worst.distance, worst.index)?;
+        writeln!(text, "  worst     {} at point {} (from 0)", plain(worst.distance), worst.index)?;
     }
     if let Some(gap) = results.largest_gap {
         writeln!(text, "  certified no point of the model is nearer by more than {gap:.1e}")?;
@@ -54,4 +49,10 @@ fn write_projection(text: &mut String, report: &Report) -> std::fmt::Result {
         writeln!(text, "  wrote     {} ({} bytes)", output.path.display(), output.bytes)?;
     }
     Ok(())
+}
+
+/// A number with six decimals, or with an exponent where these would hide it.
+fn plain(value: f64) -> String {
+    let size = value.abs();
+    if size >= 1e9 || (size < 1e-3 && size > 0.0) { format!("{value:.6e}") } else { format!("{value:.6}") }
 }

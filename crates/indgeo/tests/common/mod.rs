@@ -97,3 +97,12 @@ pub(crate) const CUBE: &str = "OFF\n8 6 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n1 
 pub(crate) fn rows(csv: &str) -> Vec<Vec<String>> {
     csv.lines().skip(1).map(|line| line.split(',').map(str::to_owned).collect()).collect()
 }
+
+/// Whether cells are the expected ones, numbers up to rounding.
+pub(crate) fn same(cells: &[String], expected: &[&str]) -> bool {
+    let alike = |cell: &str, expected: &str| match (cell.parse::<f64>(), expected.parse::<f64>()) {
+        (Ok(a), Ok(b)) => (a - b).abs() <= 1e-12 * b.abs().max(1.0),
+        _ => cell == expected,
+    };
+    cells.len() == expected.len() && cells.iter().zip(expected).all(|(cell, expected)| alike(cell, expected))
+}
