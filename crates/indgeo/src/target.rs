@@ -61,13 +61,16 @@ impl Foot {
     }
 }
 
+/// A projector, and the index in the file of each of its shapes.
+type Indices<P> = Box<(P, Vec<u32>)>;
+
 /// A model prepared for queries.
 #[derive(Debug)]
 pub(crate) enum Target {
     /// Curves in the plane.
-    Plane(CurveProjector<2>),
+    Plane(Box<CurveProjector<2>>),
     /// Curves and surfaces in space, with their indices in the file.
-    Space { surfaces: Option<(SurfaceProjector, Vec<u32>)>, curves: Option<(CurveProjector<3>, Vec<u32>)> },
+    Space { surfaces: Option<Indices<SurfaceProjector>>, curves: Option<Indices<CurveProjector<3>>> },
     /// A triangle mesh.
     Mesh(Box<MeshProjector>),
 }
@@ -77,7 +80,9 @@ impl Target {
     pub(crate) fn build(model: Model, path: &Path) -> Result<Self, Error> {
         let model_error = |source| Error::Model { path: path.to_path_buf(), source };
         Ok(match model {
-            Model::Plane(curves) => Self::Plane(CurveProjector::for_model(&curves).map_err(model_error)?),
+            Model::Plane(curves) => {
+                Self::Plane(Box::new(CurveProjector::for_model(&curves).map_err(model_error)?))
+            }
             Model::Space { surfaces, curves } => Self::Space {
                 surfaces: prepare(surfaces, SurfaceProjector::for_model).map_err(model_error)?,
                 curves: prepare(curves, CurveProjector::for_model).map_err(model_error)?,
@@ -94,8 +99,8 @@ impl Target {
         match self {
             Self::Plane(curves) => curves.piece_count(),
             Self::Space { surfaces, curves } => {
-                surfaces.as_ref().map_or(0, |(projector, _)| projector.patch_count())
-                    + curves.as_ref().map_or(0, |(projector, _)| projector.piece_count())
+                surfaces.as_ref().map_or(0, |surfaces| surfaces.0.patch_count())
+                    + curves.as_ref().map_or(0, |curves| curves.0.piece_count())
             }
             Self::Mesh(mesh) => mesh.topology().triangles - mesh.skipped(),
         }
@@ -118,11 +123,11 @@ impl Target {
             }
             Self::Space { surfaces, curves } => {
                 let queries = points.in_space(path)?;
-                let on_surfaces = surfaces.as_ref().map(|(projector, indices)| {
+                let on_surfaces = surfaces.as_deref().map(|(projector, indices)| {
                     let found = projector.project_many(&queries, options, progress);
                     found.iter().map(|foot| surface_foot(foot, indices)).collect::<Vec<_>>()
                 });
-                let on_curves = curves.as_ref().map(|(projector, indices)| {
+                let on_curves = curves.as_deref().map(|(projector, indices)| {
                     let found = projector.project_many(&queries, options, progress);
                     let index =
                         |foot: &CurveFootpoint<3>| indices.get(foot.shape).copied().unwrap_or(u32::MAX);
@@ -149,11 +154,11 @@ impl Target {
 fn prepare<T, P, E>(
     shapes: Indexed<T>,
     build: impl Fn(&[T]) -> Result<P, E>,
-) -> Result<Option<(P, Vec<u32>)>, E> {
+) -> Result<Option<Indices<P>>, E> {
     if shapes.shapes.is_empty() {
         return Ok(None);
     }
-    Ok(Some((build(&shapes.shapes)?, shapes.indices)))
+    Ok(Some(Box::new((build(&shapes.shapes)?, shapes.indices))))
 }
 
 fn u32_index(index: usize) -> u32 {

@@ -23,15 +23,12 @@ pub(crate) fn with_threads<T: Send>(
 }
 
 /// `f` of every item, in their order. `progress` hears how many are done and can break off; the rest is then `default`.
-pub(crate) fn map<T: Sync, R: Clone + Send>(
+pub(crate) fn map<T: Sync, R: Clone + Send + Sync>(
     items: &[T],
     default: &R,
     progress: &(dyn Fn(usize, usize) -> ControlFlow<()> + Sync),
     f: impl Fn(&T) -> R + Sync,
-) -> Vec<R>
-where
-    R: Sync,
-{
+) -> Vec<R> {
     let (done, cancelled) = (AtomicUsize::new(0), AtomicBool::new(false));
     let task = |chunk: &[T]| -> Vec<R> {
         if cancelled.load(Ordering::Relaxed) {

@@ -13,6 +13,9 @@ const SLICES: f64 = 12.0;
 /// Degrees of light.
 const LIGHTS: f64 = 5.0;
 
+/// Slice of depth, step of colour, degree of light.
+type Group = (i64, usize, i64);
+
 /// Draws the triangles that face the viewer. `height` maps positions along the axis, `across` those across it.
 #[expect(clippy::cast_possible_truncation, reason = "numbers of slices and of degrees of light are small")]
 pub(crate) fn draw(
@@ -24,7 +27,7 @@ pub(crate) fn draw(
     limit: f64,
 ) {
     let [near, far] = across.values;
-    let mut groups: BTreeMap<(i64, usize, i64), Vec<[[f64; 2]; 3]>> = BTreeMap::new();
+    let mut groups: BTreeMap<Group, Vec<[[f64; 2]; 3]>> = BTreeMap::new();
     for corners in &projected.points.triangles {
         let corners = corners.map(|corner| corner as usize);
         let local = corners.map(|corner| Vector3::from(bolt.local(&projected.points.positions[corner])));

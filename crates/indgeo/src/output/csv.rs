@@ -18,7 +18,7 @@ pub(super) fn write(out: &mut dyn Write, table: &Table<'_>) -> io::Result<()> {
                 match cell {
                     // The coordinates of the point are given back as read, whatever they are.
                     Cell::Number(value) if place < points || value.is_finite() => {
-                        number::append(bytes, value)
+                        number::append(bytes, value);
                     }
                     Cell::Index(Some(index)) => bytes.extend(index.to_string().as_bytes()),
                     Cell::Number(_) | Cell::Index(None) => {}

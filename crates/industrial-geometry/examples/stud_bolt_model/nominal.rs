@@ -46,6 +46,7 @@ pub(crate) fn radius(position: f64) -> f64 {
 
 /// The thread between two heights, as the profile of one pitch carried along the helix: `u` is the angle in turns, `v` runs along the
 /// profile with a crease at each of its corners. The normal points outwards.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a whole number of spans")]
 pub(crate) fn thread(placement: &Placement, heights: [f64; 2]) -> Result<BsplineSurface, Error> {
     let turn = PITCH * placement.hand;
     // The profile reaches half a pitch to both sides of the helix of its crest.
