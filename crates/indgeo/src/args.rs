@@ -1,0 +1,61 @@
+//! What can be typed.
+
+use crate::commands::{convert, demo, info, project};
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+
+/// From scans to CAD: closest points of NURBS models and meshes, with a proof that no other point is nearer.
+#[derive(Debug, Parser)]
+#[command(version, propagate_version = true, max_term_width = 110, after_help = AFTER_HELP)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+    #[command(flatten)]
+    pub(crate) common: Common,
+}
+
+const AFTER_HELP: &str = "\
+Exit status: 0 done; 1 done, but the answer is \"no\" (some points did not converge); 2 bad input or usage.
+Units are those of the files. Formats are recognised by content first, by extension second.
+
+Examples:
+  indgeo demo
+  indgeo project model.json scan.ply -o deviations.csv
+  indgeo info scan.ply";
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    Project(project::Args),
+    Convert(convert::Args),
+    Info(info::Args),
+    Demo(demo::Args),
+}
+
+impl Command {
+    /// The name that was typed, as the report repeats it.
+    pub(crate) fn name(&self) -> &'static str {
+        match self {
+            Self::Project(_) => "project",
+            Self::Convert(_) => "convert",
+            Self::Info(_) => "info",
+            Self::Demo(_) => "demo",
+        }
+    }
+}
+
+/// Options of every command.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Options of every command")]
+pub(crate) struct Common {
+    /// Write a machine-readable report (JSON) to FILE; `-` is standard output, where then nothing else is printed
+    ///
+    /// The report is written on errors too (`"status": "error"`), whenever the command line itself was understood.
+    #[arg(long, global = true, value_name = "FILE")]
+    pub(crate) json: Option<PathBuf>,
+    /// Number of threads [default: one per core]; results do not depend on it
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) threads: Option<u16>,
+    /// Print errors only: no summary, no warnings, no progress
+    #[arg(long, short, global = true)]
+    pub(crate) quiet: bool,
+}

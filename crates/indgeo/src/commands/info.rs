@@ -1,0 +1,228 @@
+//! `indgeo info`: what a file holds.
+
+use super::Outcome;
+use crate::error::Error;
+use crate::model::kind;
+use crate::report::{Input, Report, Results, Timings};
+use industrial_geometry::io::{self, Content, ReadOptions, ReadReport, Shape};
+use industrial_geometry::mesh::nalgebra::Point3;
+use industrial_geometry::mesh::{Attributes, BoundingBox, TriangleMesh};
+use industrial_geometry::nurbs::{BsplineCurve, BsplineSurface, KnotVector};
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+/// Say what files hold: points, attributes, triangles, curves and surfaces
+#[derive(Debug, clap::Args)]
+#[command(after_long_help = "\
+Examples:
+  indgeo info scan.ply
+  indgeo info model.json --json -
+  indgeo info *.ply")]
+pub(crate) struct Args {
+    /// Files of any format that is read
+    #[arg(required = true)]
+    files: Vec<PathBuf>,
+}
+
+/// Runs the command.
+pub(crate) fn run(args: &Args, report: &mut Report) -> Result<Outcome, Error> {
+    let mut timings = Timings::default();
+    let mut facts = Vec::new();
+    let mut summary = String::new();
+    for path in &args.files {
+        let loaded = Timings::measure(&mut timings.read, || io::read(path, &ReadOptions::default()))?;
+        report.inputs.push(Input::new("file", path, &loaded.report));
+        let warnings = loaded.report.warnings.iter();
+        report.warnings.extend(warnings.map(|warning| format!("{}: {warning}", path.display())));
+        let fact = describe(path, &loaded.content, &loaded.report);
+        // Writing to memory cannot fail.
+        let _ = write_text(&mut summary, &fact);
+        facts.push(fact);
+    }
+    report.timings = timings;
+    report.results = Some(Results::Files(facts));
+    Ok(Outcome { summary, converged: true })
+}
+
+/// The facts about a file, as the report has them.
+fn describe(path: &Path, content: &Content, report: &ReadReport) -> Value {
+    let mut fact = json!({ "path": path, "format": report.format.extension() });
+    let more = match content {
+        Content::Cloud(cloud) => json!({
+            "kind": "cloud",
+            "dimension": cloud.dimension(),
+            "points": cloud.len(),
+            "non_finite": report.non_finite,
+            "attributes": attributes(cloud.attributes()),
+            "bounding_box": bounds(cloud.bounding_box()),
+        }),
+        Content::Mesh(mesh) => describe_mesh(mesh, report),
+        Content::Nurbs(model) => {
+            let shapes = model.shapes().iter().enumerate();
+            let shapes: Vec<Value> =
+                shapes.map(|(index, shape)| describe_shape(index, shape, model.name(index))).collect();
+            json!({ "kind": "nurbs", "shapes": shapes })
+        }
+    };
+    if let (Value::Object(fact), Value::Object(more)) = (&mut fact, more) {
+        fact.extend(more);
+    }
+    fact
+}
+
+fn describe_mesh(mesh: &TriangleMesh, report: &ReadReport) -> Value {
+    let topology = mesh.welded_topology();
+    json!({
+        "kind": "mesh",
+        "dimension": 3,
+        "points": mesh.vertices().len(),
+        "triangles": mesh.triangles().len(),
+        "non_finite": report.non_finite,
+        "attributes": attributes(mesh.attributes()),
+        "bounding_box": bounds(mesh.bounding_box()),
+        "area": mesh.area(),
+        "is_closed": topology.is_closed(),
+        "is_solid": topology.is_solid(),
+        "volume": topology.is_solid().then(|| mesh.signed_volume()),
+        "boundary_edges": topology.boundary_edges,
+        "non_manifold_edges": topology.non_manifold_edges,
+        "inconsistent_edges": topology.inconsistent_edges,
+        "degenerate_triangles": topology.degenerate_triangles,
+    })
+}
+
+fn describe_shape(index: usize, shape: &Shape, name: Option<&str>) -> Value {
+    let mut fact = json!({ "index": index, "name": name, "kind": kind(shape) });
+    let more = match shape {
+        Shape::Curve2(curve) => describe_curve(curve),
+        Shape::Curve3(curve) => describe_curve(curve),
+        Shape::Surface(surface) => describe_surface(surface),
+    };
+    if let (Value::Object(fact), Value::Object(more)) = (&mut fact, more) {
+        fact.extend(more);
+    }
+    fact
+}
+
+fn describe_curve<const D: usize>(curve: &BsplineCurve<D>) -> Value {
+    let points = curve.control_points().iter();
+    let points = points.map(|p| Point3::from_slice(&[p[0], p[1], if D > 2 { p[D - 1] } else { 0.0 }]));
+    json!({
+        "dimension": D,
+        "degree": [curve.degree()],
+        "control_points": [curve.control_points().len()],
+        "patches": curve.bezier_curves().len(),
+        "domain": [interval(curve.knots())],
+        "periodic": [curve.knots().is_periodic()],
+        "rational": curve.weights().is_some(),
+        "control_box": bounds(BoundingBox::of(&points.collect::<Vec<_>>())),
+    })
+}
+
+fn describe_surface(surface: &BsplineSurface) -> Value {
+    let points: Vec<Point3<f64>> = surface.control_points().iter().map(|p| Point3::from(*p)).collect();
+    let directions = [surface.knots_u(), surface.knots_v()];
+    json!({
+        "dimension": 3,
+        "degree": directions.map(KnotVector::degree),
+        "control_points": [surface.n_u(), surface.n_v()],
+        "patches": surface.bezier_patches().len(),
+        "domain": directions.map(interval),
+        "periodic": directions.map(KnotVector::is_periodic),
+        "rational": surface.weights().is_some(),
+        "control_box": bounds(BoundingBox::of(&points)),
+    })
+}
+
+fn interval(knots: &KnotVector) -> [f64; 2] {
+    [knots.domain().start(), knots.domain().end()]
+}
+
+fn attributes(attributes: &Attributes) -> Vec<String> {
+    let mut names = Vec::new();
+    if attributes.normals().is_some() {
+        names.push("normals".to_owned());
+    }
+    if attributes.colours().is_some() {
+        names.push("colours".to_owned());
+    }
+    names.extend(attributes.scalars().iter().map(|field| field.name.clone()));
+    names
+}
+
+fn bounds(bounds: Option<BoundingBox>) -> Value {
+    match bounds {
+        None => Value::Null,
+        Some(bounds) => {
+            let (min, max): ([f64; 3], [f64; 3]) = (bounds.min.into(), bounds.max.into());
+            json!({ "min": min, "max": max, "diagonal": bounds.diagonal() })
+        }
+    }
+}
+
+/// The same facts for a person: one line per fact, indented below its file or shape.
+fn write_text(text: &mut String, fact: &Value) -> std::fmt::Result {
+    let Value::Object(fields) = fact else { return Ok(()) };
+    writeln!(text, "{}", plain(&fact["path"]))?;
+    let mut ordered: Vec<_> = fields.iter().filter(|(name, _)| *name != "path").collect();
+    ordered.sort_by_key(|(name, _)| place(name));
+    for (name, value) in ordered {
+        if name != "shapes" {
+            writeln!(text, "  {:<21} {}", name.replace('_', " "), plain(value))?;
+            continue;
+        }
+        for shape in value.as_array().into_iter().flatten() {
+            let name = shape["name"].as_str().map(|name| format!(" \"{name}\"")).unwrap_or_default();
+            writeln!(text, "  shape {}{name}", plain(&shape["index"]))?;
+            let mut ordered: Vec<_> = shape.as_object().into_iter().flatten().collect();
+            ordered.sort_by_key(|(name, _)| place(name));
+            for (name, value) in ordered {
+                if name != "index" && name != "name" {
+                    writeln!(text, "    {:<19} {}", name.replace('_', " "), plain(value))?;
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The order in which a person wants to read the facts.
+fn place(name: &str) -> usize {
+    const ORDER: [&str; 13] = [
+        "format",
+        "kind",
+        "dimension",
+        "points",
+        "triangles",
+        "degree",
+        "control_points",
+        "patches",
+        "rational",
+        "periodic",
+        "domain",
+        "bounding_box",
+        "control_box",
+    ];
+    ORDER.iter().position(|&other| other == name).unwrap_or(ORDER.len())
+}
+
+/// A value as a person writes it.
+fn plain(value: &Value) -> String {
+    match value {
+        Value::Null => "none".to_owned(),
+        Value::Bool(yes) => if *yes { "yes" } else { "no" }.to_owned(),
+        Value::String(text) => text.clone(),
+        Value::Number(number) => number.to_string(),
+        Value::Array(values) if values.is_empty() => "none".to_owned(),
+        Value::Array(values) if values.iter().any(Value::is_array) => {
+            values.iter().map(|value| format!("[{}]", plain(value))).collect::<Vec<_>>().join(" × ")
+        }
+        Value::Array(values) => values.iter().map(plain).collect::<Vec<_>>().join(", "),
+        Value::Object(fields) => {
+            let parts: Vec<String> =
+                fields.iter().map(|(name, value)| format!("{name} {}", plain(value))).collect();
+            parts.join("; ")
+        }
+    }
+}

@@ -1,0 +1,29 @@
+//! The commands, one file each.
+
+pub(crate) mod convert;
+pub(crate) mod demo;
+pub(crate) mod info;
+pub(crate) mod project;
+
+use crate::args::{Command, Common};
+use crate::error::Error;
+use crate::report::Report;
+
+/// What a command says when it is done.
+#[derive(Debug)]
+pub(crate) struct Outcome {
+    /// For a person to read.
+    pub(crate) summary: String,
+    /// Whether everything that was asked for was found.
+    pub(crate) converged: bool,
+}
+
+/// Runs a command and fills in its report.
+pub(crate) fn run(command: &Command, common: &Common, report: &mut Report) -> Result<Outcome, Error> {
+    match command {
+        Command::Project(args) => project::run(args, common, report),
+        Command::Convert(args) => convert::run(args, report),
+        Command::Info(args) => info::run(args, report),
+        Command::Demo(args) => demo::run(args, common, report),
+    }
+}

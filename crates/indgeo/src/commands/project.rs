@@ -1,0 +1,125 @@
+//! `indgeo project`: the closest point of a model for every point of a scan.
+
+use super::Outcome;
+use crate::args::Common;
+use crate::error::Error;
+use crate::projection::{self, Job};
+use crate::report::Report;
+use crate::summary;
+use clap::ValueEnum;
+use industrial_geometry::footpoint::{Mode, ProjectionOptions};
+use std::path::PathBuf;
+
+/// Find the closest point of MODEL for every point of POINTS
+///
+/// The answer is certified: no other point of the model is nearer, but for a gap that is reported.
+#[derive(Debug, clap::Args)]
+#[command(after_long_help = AFTER_HELP)]
+pub(crate) struct Args {
+    /// NURBS curves or surfaces (JSON), or a triangle mesh (STL, PLY, OBJ, OFF)
+    model: PathBuf,
+    /// Points: PLY, XYZ, CSV, PTS, PCD, OBJ, STL or OFF; of a mesh its vertices
+    points: PathBuf,
+    /// The result; its format follows from the extension: .csv, .ply or .json
+    #[arg(long, short, value_name = "OUT")]
+    out: PathBuf,
+    #[command(flatten)]
+    search: Search,
+}
+
+/// How footpoints are searched.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Search {
+    /// How hard to search
+    #[arg(long, value_enum, default_value_t = SearchMode::Certified)]
+    pub(crate) mode: SearchMode,
+    /// Allowed gap between a distance and its proven lower bound, as a share of the distance
+    #[arg(long, value_name = "GAP", default_value_t = 1e-7)]
+    pub(crate) relative_gap: f64,
+    /// Leave out points with a coordinate that is NaN or infinite; by default they keep their row, with the status
+    /// `invalid_point` and no values, so that row i of the result belongs to point i
+    #[arg(long)]
+    pub(crate) drop_non_finite: bool,
+}
+
+/// How hard to search.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum SearchMode {
+    /// Global search with a proof that no point is nearer
+    Certified,
+    /// Local iterations from the most promising pieces; no proof
+    Fast,
+    /// One local iteration from the answer of a neighbouring point; no proof, for points close to the model
+    Local,
+}
+
+impl Search {
+    /// The options of the library, checked.
+    pub(crate) fn options(&self) -> Result<ProjectionOptions, Error> {
+        let mode = match self.mode {
+            SearchMode::Certified => Mode::Certified,
+            SearchMode::Fast => Mode::Fast,
+            SearchMode::Local => Mode::Local,
+        };
+        if !(1e-15..1.0).contains(&self.relative_gap) {
+            let what =
+                format!("--relative-gap is {}, it must be at least 1e-15 and below 1", self.relative_gap);
+            return Err(Error::usage(what, "leave it out for 1e-7"));
+        }
+        Ok(ProjectionOptions::default().with_mode(mode).with_relative_gap(self.relative_gap))
+    }
+}
+
+impl SearchMode {
+    /// The name in the report.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Certified => "certified",
+            Self::Fast => "fast",
+            Self::Local => "local",
+        }
+    }
+}
+
+const AFTER_HELP: &str = "\
+Columns of OUT, one row per point, in the order of POINTS:
+  surfaces            x,y,z,foot_x,foot_y,foot_z,distance,shape,u,v,status
+  curves in space     x,y,z,foot_x,foot_y,foot_z,distance,shape,t,status
+  both                as for surfaces; on a curve u is t and v is empty
+  mesh                x,y,z,foot_x,foot_y,foot_z,distance,shape,triangle,status    (shape is 0)
+  one plane curve     x,y,foot_x,foot_y,distance,t
+  several of them     x,y,foot_x,foot_y,distance,shape,t,status
+Plane curves (\"dim\": 2) take points of two columns, or with z = 0.
+
+distance  in the unit of the files. Onto surfaces it is positive on the side to which the normal (du x dv) points, onto
+          closed meshes positive outside; onto curves and open meshes it has no sign.
+shape     index of the curve or surface in the model, triangle: index in the mesh; both count from 0.
+status    converged, on_boundary (the closest point lies on the boundary of the model), stalled, max_iterations,
+          diverged, cancelled, invalid_point. In PLY a number, named in the header.
+Numbers read back to the same bits. .csv: a missing value is empty. .ply: binary, doubles, NaN and -1 where there is no
+value; triangles of POINTS are kept. .json: {\"points\": N, \"columns\": [...], \"x\": [...], ...}, null where there is
+no value.
+
+Exit status 1 if a finite point did not converge; the result is written nevertheless. Points that are not finite cause
+a warning, not a failure.
+
+Examples:
+  indgeo project model.json scan.ply -o deviations.csv
+  indgeo project part.stl scan.xyz -o deviations.ply --json report.json
+  indgeo project section.json profile.csv -o feet.csv --json - --quiet";
+
+/// Runs the command.
+pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<Outcome, Error> {
+    let job = Job {
+        model: &args.model,
+        points: &args.points,
+        out: &args.out,
+        options: args.search.options()?,
+        mode: args.search.mode,
+        drop_non_finite: args.search.drop_non_finite,
+        threads: common.threads,
+        quiet: common.quiet,
+    };
+    projection::run(&job, report)?;
+    Ok(Outcome { summary: summary::of(report), converged: projection::all_converged(report) })
+}

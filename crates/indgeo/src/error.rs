@@ -1,0 +1,86 @@
+//! What ends a command with exit status 2.
+
+use industrial_geometry::{footpoint, io, mesh};
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// Bad input or usage; the message says where, what and what to do.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub(crate) enum Error {
+    /// A file cannot be read or written.
+    #[error("{source}{}", advice(source))]
+    File {
+        /// What the reader or writer says.
+        #[from]
+        source: io::Error,
+    },
+    /// A file was read, but its content does not serve.
+    #[error("{}: {what}; {advice}", path.display())]
+    Content {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        what: String,
+        /// What to do.
+        advice: &'static str,
+    },
+    /// The model of a file cannot be projected onto.
+    #[error("{}: {source}; check the model with `indgeo info`", path.display())]
+    Model {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        source: footpoint::Error,
+    },
+    /// The mesh of a file cannot be projected onto.
+    #[error("{}: {source}; check the mesh with `indgeo info`", path.display())]
+    Mesh {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        source: mesh::Error,
+    },
+    /// Options that cannot be used.
+    #[error("{what}; {advice}")]
+    Usage {
+        /// What is wrong.
+        what: String,
+        /// What to do.
+        advice: &'static str,
+    },
+}
+
+impl Error {
+    /// A file whose content does not serve.
+    pub(crate) fn content(path: &Path, what: impl Into<String>, advice: &'static str) -> Self {
+        Self::Content { path: path.to_path_buf(), what: what.into(), advice }
+    }
+
+    /// Options that cannot be used.
+    pub(crate) fn usage(what: impl Into<String>, advice: &'static str) -> Self {
+        Self::Usage { what: what.into(), advice }
+    }
+
+    /// A failed write to `path`.
+    pub(crate) fn write(path: &Path, source: std::io::Error) -> Self {
+        Self::File { source: io::Error::Io { path: path.to_path_buf(), action: "write", source } }
+    }
+}
+
+/// What to do about an answer of the operating system, which does not say.
+fn advice(error: &io::Error) -> impl fmt::Display + use<> {
+    use std::io::ErrorKind as Kind;
+    let io::Error::Io { source, action, .. } = error else { return "" };
+    match (source.kind(), *action) {
+        (Kind::NotFound, "read") => "; check the path",
+        (Kind::NotFound, _) => "; create the folder first",
+        (Kind::PermissionDenied, "read") => "; you may not read this file",
+        (Kind::PermissionDenied | Kind::ReadOnlyFilesystem, _) => "; choose a folder you may write to",
+        (Kind::IsADirectory, "read") => "; this is a folder, name a file in it",
+        (Kind::IsADirectory, _) => "; this is a folder, name a file",
+        (Kind::NotADirectory, _) => "; a part of the path is not a folder",
+        (Kind::StorageFull | Kind::QuotaExceeded, _) => "; free some space",
+        _ => "; see the message of the operating system",
+    }
+}

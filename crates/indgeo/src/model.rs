@@ -1,0 +1,109 @@
+//! The model that points are projected onto.
+
+use crate::error::Error;
+use industrial_geometry::io::{self, Content, ReadOptions, ReadReport, Shape};
+use industrial_geometry::mesh::TriangleMesh;
+use industrial_geometry::nurbs::{BsplineCurve, BsplineSurface};
+use std::path::Path;
+
+/// Shapes with their indices in the file.
+#[derive(Debug)]
+pub(crate) struct Indexed<T> {
+    /// The shapes of one kind.
+    pub(crate) shapes: Vec<T>,
+    /// Index of each among all shapes of the file.
+    pub(crate) indices: Vec<u32>,
+}
+
+/// What points can be projected onto.
+#[derive(Debug)]
+pub(crate) enum Model {
+    /// Curves in the plane.
+    Plane(Vec<BsplineCurve<2>>),
+    /// Curves and surfaces in space.
+    Space {
+        /// The surfaces.
+        surfaces: Indexed<BsplineSurface>,
+        /// The curves.
+        curves: Indexed<BsplineCurve<3>>,
+    },
+    /// A triangle mesh.
+    Mesh(TriangleMesh),
+}
+
+/// A model as read.
+#[derive(Debug)]
+pub(crate) struct Loaded {
+    /// The model.
+    pub(crate) model: Model,
+    /// Kind and name of each shape: `surface`, `curve` or `mesh`.
+    pub(crate) shapes: Vec<(&'static str, Option<String>)>,
+    /// How reading went.
+    pub(crate) report: ReadReport,
+}
+
+impl Loaded {
+    /// Reads NURBS JSON or a mesh.
+    pub(crate) fn read(path: &Path) -> Result<Self, Error> {
+        let loaded = io::read(path, &ReadOptions::default())?;
+        let report = loaded.report;
+        match loaded.content {
+            Content::Nurbs(model) => {
+                let name = |index: usize| model.name(index).map(str::to_owned);
+                let shapes = model.shapes().iter().enumerate();
+                let shapes = shapes.map(|(index, shape)| (kind(shape), name(index))).collect();
+                Ok(Self { model: sort(model.into_shapes(), path)?, shapes, report })
+            }
+            Content::Mesh(mesh) => {
+                Ok(Self { model: Model::Mesh(mesh), shapes: vec![("mesh", None)], report })
+            }
+            Content::Cloud(_) => {
+                let what = format!(
+                    "a model is needed (NURBS as JSON, or a mesh), but this file holds {} points without triangles",
+                    report.points
+                );
+                Err(Error::content(path, what, "the order is MODEL POINTS"))
+            }
+        }
+    }
+}
+
+/// `curve` or `surface`.
+pub(crate) fn kind(shape: &Shape) -> &'static str {
+    match shape {
+        Shape::Curve2(_) | Shape::Curve3(_) => "curve",
+        Shape::Surface(_) => "surface",
+    }
+}
+
+/// Sorts the shapes of a file by their kind.
+fn sort(shapes: Vec<Shape>, path: &Path) -> Result<Model, Error> {
+    if shapes.is_empty() {
+        return Err(Error::content(path, "the model has no shapes", "give at least one curve or surface"));
+    }
+    let mut plane = Vec::new();
+    let mut surfaces = Indexed { shapes: Vec::new(), indices: Vec::new() };
+    let mut curves = Indexed { shapes: Vec::new(), indices: Vec::new() };
+    for (shape, index) in shapes.into_iter().zip(0u32..) {
+        match shape {
+            Shape::Curve2(curve) => plane.push(curve),
+            Shape::Curve3(curve) => {
+                curves.shapes.push(curve);
+                curves.indices.push(index);
+            }
+            Shape::Surface(surface) => {
+                surfaces.shapes.push(surface);
+                surfaces.indices.push(index);
+            }
+        }
+    }
+    let in_space = surfaces.shapes.len() + curves.shapes.len();
+    match (plane.len(), in_space) {
+        (_, 0) => Ok(Model::Plane(plane)),
+        (0, _) => Ok(Model::Space { surfaces, curves }),
+        (in_plane, _) => {
+            let what = format!("{in_plane} shapes lie in the plane, {in_space} in space");
+            Err(Error::content(path, what, "put them into models of their own"))
+        }
+    }
+}

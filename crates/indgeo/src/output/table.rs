@@ -1,0 +1,126 @@
+//! The columns of a result and what stands in them.
+
+use crate::target::{Foot, Target};
+use industrial_geometry::footpoint::Status;
+use industrial_geometry::mesh::nalgebra::Point3;
+
+/// A column. The names are a contract that other programs rely on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Column {
+    /// Coordinate of the point as read.
+    Point(u8),
+    /// Coordinate of the footpoint.
+    Foot(u8),
+    /// Distance, with a sign where the model gives one.
+    Distance,
+    /// Index of the shape in the model.
+    Shape,
+    /// First parameter on a surface; in a model with curves too, `t` on these.
+    U,
+    /// Second parameter on a surface.
+    V,
+    /// Parameter on a curve.
+    T,
+    /// Index of the triangle.
+    Triangle,
+    /// How the projection ended.
+    Status,
+}
+
+/// The content of a cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Cell {
+    /// A number; NaN where there is none.
+    Number(f64),
+    /// An index, if there is one.
+    Index(Option<u32>),
+    /// A status.
+    Status(Status),
+}
+
+impl Column {
+    /// The name in the header.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Point(0) => "x",
+            Self::Point(1) => "y",
+            Self::Point(_) => "z",
+            Self::Foot(0) => "foot_x",
+            Self::Foot(1) => "foot_y",
+            Self::Foot(_) => "foot_z",
+            Self::Distance => "distance",
+            Self::Shape => "shape",
+            Self::U => "u",
+            Self::V => "v",
+            Self::T => "t",
+            Self::Triangle => "triangle",
+            Self::Status => "status",
+        }
+    }
+
+    /// The cell of a row.
+    pub(crate) fn cell(self, point: &Point3<f64>, foot: &Foot) -> Cell {
+        let index = |value: u32| Cell::Index((value != u32::MAX).then_some(value));
+        match self {
+            Self::Point(axis) => Cell::Number(point[usize::from(axis)]),
+            Self::Foot(axis) => Cell::Number(foot.point[usize::from(axis)]),
+            Self::Distance => Cell::Number(foot.distance),
+            Self::Shape => index(foot.shape),
+            Self::U | Self::T => Cell::Number(foot.parameter[0]),
+            Self::V => Cell::Number(foot.parameter[1]),
+            Self::Triangle => index(foot.triangle),
+            Self::Status => Cell::Status(foot.status),
+        }
+    }
+}
+
+/// Which columns a kind of model has.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Layout(pub(crate) Vec<Column>);
+
+impl Layout {
+    /// The columns for a model of `shapes` shapes.
+    pub(crate) fn of(target: &Target, shapes: usize) -> Self {
+        let dimension = if matches!(target, Target::Plane(_)) { 2 } else { 3 };
+        let mut columns: Vec<Column> = (0..dimension).map(Column::Point).collect();
+        columns.extend((0..dimension).map(Column::Foot));
+        columns.push(Column::Distance);
+        let rest: &[Column] = match target {
+            // A single curve in the plane has exactly these columns.
+            Target::Plane(_) if shapes == 1 => &[Column::T],
+            Target::Plane(_) | Target::Space { surfaces: None, .. } => {
+                &[Column::Shape, Column::T, Column::Status]
+            }
+            Target::Space { .. } => &[Column::Shape, Column::U, Column::V, Column::Status],
+            Target::Mesh(_) => &[Column::Shape, Column::Triangle, Column::Status],
+        };
+        columns.extend(rest);
+        Self(columns)
+    }
+
+    /// The names in the header.
+    pub(crate) fn names(&self) -> Vec<&'static str> {
+        self.0.iter().map(|column| column.name()).collect()
+    }
+}
+
+/// Points, their footpoints, and the columns to be written.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Table<'a> {
+    /// The columns.
+    pub(crate) layout: &'a Layout,
+    /// The points as read.
+    pub(crate) points: &'a [Point3<f64>],
+    /// One footpoint per point.
+    pub(crate) feet: &'a [Foot],
+    /// Triangles over the points, kept in formats that can hold them.
+    pub(crate) triangles: &'a [[u32; 3]],
+}
+
+impl Table<'_> {
+    /// The cells of a row.
+    pub(super) fn cells(&self, row: usize) -> impl Iterator<Item = Cell> + '_ {
+        let (point, foot) = (&self.points[row], &self.feet[row]);
+        self.layout.0.iter().map(|column| column.cell(point, foot))
+    }
+}

@@ -1,0 +1,66 @@
+//! The points to be projected.
+
+use crate::error::Error;
+use industrial_geometry::io::{self, Content, ReadOptions, ReadReport};
+use industrial_geometry::mesh::nalgebra::{Point3, Vector2, Vector3};
+use std::path::Path;
+
+/// Points with the triangles over them, as read.
+#[derive(Debug)]
+pub(crate) struct Points {
+    /// Positions; z = 0 where the file has two columns.
+    pub(crate) positions: Vec<Point3<f64>>,
+    /// Whether the file has two columns.
+    pub(crate) is_planar: bool,
+    /// Triangles over the points, if the file is a mesh.
+    pub(crate) triangles: Vec<[u32; 3]>,
+    /// How reading went.
+    pub(crate) report: ReadReport,
+}
+
+impl Points {
+    /// Reads a cloud, or the vertices of a mesh; there must be at least one finite point.
+    pub(crate) fn read(path: &Path, drop_non_finite: bool) -> Result<Self, Error> {
+        let loaded = io::read(path, &ReadOptions::default().with_drop_non_finite(drop_non_finite))?;
+        let report = loaded.report;
+        let (cloud, triangles) = match loaded.content {
+            Content::Cloud(cloud) => (cloud, Vec::new()),
+            Content::Mesh(mesh) => mesh.into_parts(),
+            Content::Nurbs(_) => {
+                let what = "points are needed, but this file holds NURBS shapes";
+                return Err(Error::content(path, what, "the order is MODEL POINTS"));
+            }
+        };
+        if report.points == 0 {
+            return Err(Error::content(path, "there are no points in this file", "export it again"));
+        }
+        if report.non_finite == report.points {
+            let what = format!("none of the {} points has finite coordinates", report.points);
+            return Err(Error::content(path, what, "export the file again"));
+        }
+        let is_planar = cloud.dimension() == 2;
+        Ok(Self { positions: cloud.into_parts().0, is_planar, triangles, report })
+    }
+
+    /// The points in the plane, for a model in the plane.
+    pub(crate) fn in_plane(&self, path: &Path) -> Result<Vec<Vector2<f64>>, Error> {
+        let off_plane = self.positions.iter().position(|point| point.z != 0.0);
+        if let Some(index) = off_plane.filter(|_| !self.is_planar) {
+            let what = format!(
+                "the model lies in the plane, but point {index} (from 0) has z = {}",
+                self.positions[index].z
+            );
+            return Err(Error::content(path, what, "give points of two columns, x and y, or with z = 0"));
+        }
+        Ok(self.positions.iter().map(|point| point.coords.xy()).collect())
+    }
+
+    /// The points in space, for a model in space.
+    pub(crate) fn in_space(&self, path: &Path) -> Result<Vec<Vector3<f64>>, Error> {
+        if self.is_planar {
+            let what = "the model lies in space, but the points have two columns only";
+            return Err(Error::content(path, what, "give points of three columns, x, y and z"));
+        }
+        Ok(self.positions.iter().map(|point| point.coords).collect())
+    }
+}

@@ -1,0 +1,205 @@
+//! The main job: read a model and points, project, write, report. `project` and `demo` both run this.
+
+use crate::commands::project::SearchMode;
+use crate::error::Error;
+use crate::files;
+use crate::model::Loaded;
+use crate::output::{self, Format, Layout, Table};
+use crate::points::Points;
+use crate::progress::Progress;
+use crate::report::{
+    Input, ModelSummary, Options, Output, ProjectionResults, Report, Results, ShapeResults, Timings, Worst,
+};
+use crate::statistics::Statistics;
+use crate::target::{Foot, Target};
+use industrial_geometry::footpoint::{Multiplicity, ProjectionOptions, Status};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Names of the statuses that leave nothing to be wished for; there is no answer for a point that is not finite.
+const GOOD: [&str; 3] = ["converged", "on_boundary", "invalid_point"];
+
+/// What is to be done.
+#[derive(Debug)]
+pub(crate) struct Job<'a> {
+    /// File of the model.
+    pub(crate) model: &'a Path,
+    /// File of the points.
+    pub(crate) points: &'a Path,
+    /// File of the result.
+    pub(crate) out: &'a Path,
+    /// Options of the library.
+    pub(crate) options: ProjectionOptions,
+    /// The mode, by its name on the command line.
+    pub(crate) mode: SearchMode,
+    /// Whether points that are not finite are left out.
+    pub(crate) drop_non_finite: bool,
+    /// Number of threads asked for.
+    pub(crate) threads: Option<u16>,
+    /// Whether nobody wants to watch.
+    pub(crate) quiet: bool,
+}
+
+/// Points and their footpoints, after everything has been written.
+#[derive(Debug)]
+pub(crate) struct Projected {
+    /// The points.
+    pub(crate) points: Points,
+    /// One footpoint per point.
+    pub(crate) feet: Vec<Foot>,
+    /// The columns of the result.
+    pub(crate) layout: Layout,
+}
+
+/// Does the job and fills in the report.
+pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Projected, Error> {
+    let format = Format::of(job.out)?;
+    files::check_writable(job.out, &[job.model, job.points])?;
+
+    let mut timings = Timings::default();
+    let loaded = Timings::measure(&mut timings.read, || Loaded::read(job.model))?;
+    report.inputs.push(Input::new("model", job.model, &loaded.report));
+    let points = Timings::measure(&mut timings.read, || Points::read(job.points, job.drop_non_finite))?;
+    report.inputs.push(Input::new("points", job.points, &points.report));
+    report.timings = timings;
+    warn(report, job, &loaded, &points);
+
+    let shapes = loaded.shapes;
+    let target = Timings::measure(&mut timings.build, || Target::build(loaded.model, job.model))?;
+    let layout = Layout::of(&target, shapes.len());
+    report.model = Some(summarise(&target, shapes.len()));
+    report.options =
+        Some(Options { mode: job.mode.name(), relative_gap: job.options.relative_gap, threads: job.threads });
+    let progress = Progress::new("projecting", job.quiet);
+    let feet = Timings::measure(&mut timings.compute, || {
+        target.project(&points, job.points, &job.options, &|done, total| progress.report(done, total))
+    })?;
+    drop(progress);
+    report.points_per_second = (timings.compute > 0.0).then(|| feet.len() as f64 / timings.compute);
+
+    report.timings = timings;
+    let projected = Projected { points, feet, layout };
+    write(job.out, format, &projected, report)?;
+    let results = results(&projected, job, &shapes);
+    let failed: usize = results.status.iter().filter(|(name, _)| !GOOD.contains(name)).map(|(_, n)| n).sum();
+    if failed > 0 {
+        report.warnings.push(format!(
+            "{failed} of {} points did not converge; their rows say how they ended (exit status 1)",
+            results.points
+        ));
+    }
+    report.results = Some(Results::Projection(Box::new(results)));
+    Ok(projected)
+}
+
+/// Writes the result once more, in the format of another extension.
+pub(crate) fn write_also(path: &Path, projected: &Projected, report: &mut Report) -> Result<(), Error> {
+    write(path, Format::of(path)?, projected, report)
+}
+
+fn write(path: &Path, format: Format, projected: &Projected, report: &mut Report) -> Result<(), Error> {
+    let Projected { points, feet, layout } = projected;
+    let table = Table { layout, points: &points.positions, feet, triangles: &points.triangles };
+    let bytes = Timings::measure(&mut report.timings.write, || output::write(path, format, &table))?;
+    let content = format!("{} rows: {}", feet.len(), layout.names().join(","));
+    report.outputs.push(Output { path: path.to_path_buf(), bytes, content });
+    Ok(())
+}
+
+/// Whether every finite point of the projection in the report converged.
+pub(crate) fn all_converged(report: &Report) -> bool {
+    let Some(Results::Projection(results)) = &report.results else { return true };
+    results.status.keys().all(|name| GOOD.contains(name))
+}
+
+fn warn(report: &mut Report, job: &Job<'_>, loaded: &Loaded, points: &Points) {
+    for (path, read) in [(job.model, &loaded.report), (job.points, &points.report)] {
+        let warnings = read.warnings.iter().map(|warning| format!("{}: {warning}", path.display()));
+        report.warnings.extend(warnings);
+    }
+    let read = &points.report;
+    if read.non_finite > 0 {
+        let fate = if read.dropped > 0 {
+            "they were left out, so that rows of the result are numbered anew"
+        } else {
+            "they keep their rows, with status invalid_point and no values (--drop-non-finite leaves them out)"
+        };
+        let count = read.non_finite;
+        report.warnings.push(format!(
+            "{}: {count} of {} points have a coordinate that is NaN or infinite; {fate}",
+            job.points.display(),
+            read.points
+        ));
+    }
+}
+
+fn summarise(target: &Target, shapes: usize) -> ModelSummary {
+    let (kind, dimension, signed) = match target {
+        Target::Plane(_) => ("nurbs", 2, false),
+        Target::Space { surfaces, .. } => ("nurbs", 3, surfaces.is_some()),
+        Target::Mesh(mesh) => ("mesh", 3, mesh.is_solid()),
+    };
+    ModelSummary { kind, dimension, shapes, patches: target.piece_count(), signed }
+}
+
+fn results(
+    projected: &Projected,
+    job: &Job<'_>,
+    shapes: &[(&'static str, Option<String>)],
+) -> ProjectionResults {
+    let Projected { points, feet, layout } = projected;
+    let mut status = BTreeMap::new();
+    let mut location = BTreeMap::new();
+    let mut multiplicity = BTreeMap::new();
+    let mut worst: Option<Worst> = None;
+    let mut largest_gap: Option<f64> = None;
+    for (index, foot) in feet.iter().enumerate() {
+        *status.entry(foot.status.name()).or_default() += 1;
+        if !foot.exists() {
+            continue;
+        }
+        *location.entry(foot.location).or_default() += 1;
+        *multiplicity.entry(multiplicity_name(foot.multiplicity).to_owned()).or_default() += 1;
+        largest_gap = Some(largest_gap.map_or(foot.gap, |gap| gap.max(foot.gap)));
+        if worst.as_ref().is_none_or(|worst| foot.distance.abs() > worst.distance.abs()) {
+            let point = points.positions[index].into();
+            worst = Some(Worst { index, point, distance: foot.distance });
+        }
+    }
+    ProjectionResults {
+        points: feet.len(),
+        columns: layout.names(),
+        status,
+        location,
+        multiplicity,
+        distance: Statistics::of(feet.iter().map(|foot| foot.distance)),
+        worst,
+        largest_gap: largest_gap.filter(|_| job.mode == SearchMode::Certified),
+        shapes: shape_results(feet, shapes),
+    }
+}
+
+fn multiplicity_name(multiplicity: Multiplicity) -> &'static str {
+    match multiplicity {
+        Multiplicity::Unknown => "unknown",
+        Multiplicity::Unique => "unique",
+        Multiplicity::Tied => "tied",
+        Multiplicity::Continuum => "continuum",
+    }
+}
+
+/// Distances per shape, for those that are nearest to a point.
+fn shape_results(feet: &[Foot], shapes: &[(&'static str, Option<String>)]) -> Vec<ShapeResults> {
+    let mut by_shape: BTreeMap<u32, (usize, Vec<f64>)> = BTreeMap::new();
+    for foot in feet.iter().filter(|foot| foot.exists()) {
+        let (on_boundary, distances) = by_shape.entry(foot.shape).or_default();
+        *on_boundary += usize::from(foot.status == Status::OnBoundary);
+        distances.push(foot.distance);
+    }
+    let results = by_shape.into_iter().filter_map(|(index, (on_boundary, distances))| {
+        let (kind, name) = shapes.get(index as usize)?.clone();
+        let distance = Statistics::of(distances.into_iter())?;
+        Some(ShapeResults { index, kind, name, on_boundary, distance })
+    });
+    results.collect()
+}

@@ -1,0 +1,207 @@
+//! The machine-readable report of a command (`--json`).
+
+use crate::statistics::Statistics;
+use industrial_geometry::io::ReadReport;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// What a command was given, did and found.
+#[derive(Debug, Default, Serialize)]
+pub(crate) struct Report {
+    /// Name of the command.
+    pub(crate) command: &'static str,
+    /// Version of the program.
+    pub(crate) version: &'static str,
+    /// `done` (exit status 0), `not_converged` (1), `error` (2).
+    pub(crate) status: &'static str,
+    /// Exit status of the process.
+    pub(crate) exit_code: u8,
+    /// The message, on errors.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) error: Option<String>,
+    /// Files that were read.
+    pub(crate) inputs: Vec<Input>,
+    /// The model that was projected onto.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) model: Option<ModelSummary>,
+    /// Options with their values, the defaults included.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) options: Option<Options>,
+    /// Files that were written.
+    pub(crate) outputs: Vec<Output>,
+    /// Seconds per stage, without the start of the program.
+    pub(crate) timings: Timings,
+    /// Points projected per second of computation.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) points_per_second: Option<f64>,
+    /// What the command found.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) results: Option<Results>,
+    /// What the user should know.
+    pub(crate) warnings: Vec<String>,
+}
+
+/// A file that was read.
+#[derive(Debug, Serialize)]
+pub(crate) struct Input {
+    /// `model`, `points` or `file`.
+    pub(crate) role: &'static str,
+    /// The path as given.
+    pub(crate) path: PathBuf,
+    /// What was read, dropped and left.
+    #[serde(flatten)]
+    pub(crate) read: ReadSummary,
+}
+
+/// Counts of a file that was read.
+#[derive(Debug, Serialize)]
+pub(crate) struct ReadSummary {
+    /// Format, recognised by content.
+    pub(crate) format: String,
+    /// Points in the file.
+    pub(crate) points_read: usize,
+    /// Points that were dropped because they are not finite.
+    pub(crate) points_dropped: usize,
+    /// Points with a coordinate that is NaN or infinite, dropped or not.
+    pub(crate) non_finite: usize,
+    /// Triangles in the file.
+    pub(crate) triangles: usize,
+    /// Curves and surfaces in the file.
+    pub(crate) shapes: usize,
+}
+
+impl Input {
+    /// The input at `path`, read with this report.
+    pub(crate) fn new(role: &'static str, path: &Path, report: &ReadReport) -> Self {
+        let read = ReadSummary {
+            format: report.format.extension().to_owned(),
+            points_read: report.points,
+            points_dropped: report.dropped,
+            non_finite: report.non_finite,
+            triangles: report.triangles,
+            shapes: report.shapes,
+        };
+        Self { role, path: path.to_path_buf(), read }
+    }
+}
+
+/// A file that was written.
+#[derive(Debug, Serialize)]
+pub(crate) struct Output {
+    /// The path as given.
+    pub(crate) path: PathBuf,
+    /// Its size.
+    pub(crate) bytes: u64,
+    /// What it holds.
+    pub(crate) content: String,
+}
+
+/// What was projected onto.
+#[derive(Debug, Serialize)]
+pub(crate) struct ModelSummary {
+    /// `nurbs` or `mesh`.
+    pub(crate) kind: &'static str,
+    /// Dimension of the space it lies in.
+    pub(crate) dimension: usize,
+    /// Number of curves and surfaces (1 for a mesh).
+    pub(crate) shapes: usize,
+    /// Number of Bézier patches and pieces, or of triangles, that are searched.
+    pub(crate) patches: usize,
+    /// Whether distances have a sign.
+    pub(crate) signed: bool,
+}
+
+/// Options of a projection.
+#[derive(Debug, Serialize)]
+pub(crate) struct Options {
+    /// `certified`, `fast` or `local`.
+    pub(crate) mode: &'static str,
+    /// Allowed gap relative to the distance.
+    pub(crate) relative_gap: f64,
+    /// Number of threads asked for; `null` for one per core.
+    pub(crate) threads: Option<u16>,
+}
+
+/// Seconds per stage.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub(crate) struct Timings {
+    /// Reading and parsing files.
+    pub(crate) read: f64,
+    /// Preparing the model.
+    pub(crate) build: f64,
+    /// Projecting.
+    pub(crate) compute: f64,
+    /// Formatting and writing files.
+    pub(crate) write: f64,
+}
+
+impl Timings {
+    /// Runs `work` and adds the seconds it took.
+    pub(crate) fn measure<T>(stage: &mut f64, work: impl FnOnce() -> T) -> T {
+        let start = Instant::now();
+        let out = work();
+        *stage += start.elapsed().as_secs_f64();
+        out
+    }
+}
+
+/// What a command found.
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+pub(crate) enum Results {
+    /// Of a projection.
+    Projection(Box<ProjectionResults>),
+    /// Of `info`.
+    Files(Vec<serde_json::Value>),
+}
+
+/// Counts and distances of a projection.
+#[derive(Debug, Serialize)]
+pub(crate) struct ProjectionResults {
+    /// Number of rows of the result.
+    pub(crate) points: usize,
+    /// Columns of the result.
+    pub(crate) columns: Vec<&'static str>,
+    /// Number of points per status.
+    pub(crate) status: BTreeMap<&'static str, usize>,
+    /// Number of points per location of the footpoint.
+    pub(crate) location: BTreeMap<&'static str, usize>,
+    /// Number of points per multiplicity of the footpoint.
+    pub(crate) multiplicity: BTreeMap<String, usize>,
+    /// Distribution of the distances, as signed as the model gives them.
+    pub(crate) distance: Option<Statistics>,
+    /// The point with the largest absolute distance.
+    pub(crate) worst: Option<Worst>,
+    /// Largest certified gap between a distance and its lower bound; `null` in uncertified modes.
+    pub(crate) largest_gap: Option<f64>,
+    /// Curves and surfaces that are nearest to at least one point.
+    pub(crate) shapes: Vec<ShapeResults>,
+}
+
+/// The point that is farthest from the model.
+#[derive(Debug, Serialize)]
+pub(crate) struct Worst {
+    /// Index of the row, from 0.
+    pub(crate) index: usize,
+    /// The point.
+    pub(crate) point: [f64; 3],
+    /// Its distance.
+    pub(crate) distance: f64,
+}
+
+/// The points whose footpoints lie on one shape.
+#[derive(Debug, Serialize)]
+pub(crate) struct ShapeResults {
+    /// Index of the shape in the model.
+    pub(crate) index: u32,
+    /// `surface`, `curve` or `mesh`.
+    pub(crate) kind: &'static str,
+    /// Its name, if it has one.
+    pub(crate) name: Option<String>,
+    /// Points that lie beyond its boundary: their footpoints are on it.
+    pub(crate) on_boundary: usize,
+    /// Distances of all points with a footpoint here.
+    pub(crate) distance: Statistics,
+}

@@ -1,0 +1,79 @@
+//! From arguments to an exit status: runs a command, prints its summary, warnings and errors, writes its report.
+
+use crate::args::{Cli, Common};
+use crate::commands::{self, Outcome};
+use crate::error::Error;
+use crate::files;
+use crate::report::Report;
+use crate::threads;
+use industrial_geometry::io::AtomicFile;
+use std::io::Write;
+use std::path::Path;
+use std::process::ExitCode;
+
+/// Runs the command that was asked for.
+pub(crate) fn run(cli: &Cli) -> ExitCode {
+    let common = &cli.common;
+    let mut report =
+        Report { command: cli.command.name(), version: env!("CARGO_PKG_VERSION"), ..Report::default() };
+    let json_file = common.json.as_deref().filter(|path| !is_stdout(path));
+    let mut ended = match json_file.map_or(Ok(()), |path| files::check_writable(path, &[])) {
+        Ok(()) => threads::with_threads(common.threads, || commands::run(&cli.command, common, &mut report)),
+        Err(error) => return fail(&error),
+    };
+    (report.status, report.exit_code) = match &ended {
+        Ok(Outcome { converged: true, .. }) => ("done", 0),
+        Ok(Outcome { converged: false, .. }) => ("not_converged", 1),
+        Err(_) => ("error", 2),
+    };
+    report.error = ended.as_ref().err().map(ToString::to_string);
+    if let Some(path) = &common.json
+        && let Err(error) = write_report(path, &report)
+    {
+        // The first error is the one to know about.
+        ended = ended.and(Err(error));
+    }
+    match ended {
+        Ok(outcome) => {
+            tell(common, &outcome, &report.warnings);
+            ExitCode::from(report.exit_code)
+        }
+        Err(error) => fail(&error),
+    }
+}
+
+fn is_stdout(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
+fn fail(error: &Error) -> ExitCode {
+    let _ = writeln!(std::io::stderr(), "error: {error}");
+    ExitCode::from(2)
+}
+
+/// Prints warnings and the summary. A reader that went away is no reason to fail.
+fn tell(common: &Common, outcome: &Outcome, warnings: &[String]) {
+    if common.quiet {
+        return;
+    }
+    let mut stderr = std::io::stderr().lock();
+    for warning in warnings {
+        let _ = writeln!(stderr, "warning: {warning}");
+    }
+    if !common.json.as_deref().is_some_and(is_stdout) {
+        let _ = writeln!(std::io::stdout(), "{}", outcome.summary.trim_end());
+    }
+}
+
+fn write_report(path: &Path, report: &Report) -> Result<(), Error> {
+    let failed = |source: std::io::Error| Error::write(path, source);
+    let mut text = serde_json::to_string_pretty(report).map_err(|error| failed(error.into()))?;
+    text.push('\n');
+    if is_stdout(path) {
+        return std::io::stdout().write_all(text.as_bytes()).map_err(failed);
+    }
+    let mut file = AtomicFile::create(path)?;
+    file.write_all(text.as_bytes()).map_err(failed)?;
+    file.commit()?;
+    Ok(())
+}

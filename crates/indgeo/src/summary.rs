@@ -1,0 +1,58 @@
+//! What a projection says to a person.
+
+use crate::report::{Report, Results};
+use std::fmt::Write;
+
+/// A few lines about a projection; empty for other commands.
+pub(crate) fn of(report: &Report) -> String {
+    let mut text = String::new();
+    // Writing to memory cannot fail.
+    let _ = write_projection(&mut text, report);
+    text
+}
+
+fn write_projection(text: &mut String, report: &Report) -> std::fmt::Result {
+    let Some(Results::Projection(results)) = &report.results else { return Ok(()) };
+    if let Some(model) = &report.model {
+        let pieces = if model.kind == "mesh" { "triangles" } else { "Bézier pieces" };
+        let shapes = if model.shapes == 1 { "shape" } else { "shapes" };
+        writeln!(
+            text,
+            "{} points projected onto {} {shapes} ({} {pieces})",
+            results.points, model.shapes, model.patches
+        )?;
+    }
+    let counts = |counts: Vec<(&str, usize)>| {
+        let parts: Vec<String> = counts.iter().map(|(name, count)| format!("{count} {name}")).collect();
+        parts.join(", ")
+    };
+    writeln!(text, "  status    {}", counts(results.status.iter().map(|(&name, &n)| (name, n)).collect()))?;
+    if let Some(distance) = &results.distance {
+        let [min, max] = [distance.min, distance.max].map(plain);
+        let [mean, rms] = [distance.mean, distance.rms].map(plain);
+        let median = plain(distance.quantile(0.5).unwrap_or(f64::NAN));
+        writeln!(text, "  distance  min {min}  max {max}  mean {mean}  rms {rms}  median {median}")?;
+    }
+    if let Some(worst) = &results.worst {
+        writeln!(text, "  worst     {} at point {} (from 0)", plain(worst.distance), worst.index)?;
+    }
+    if let Some(gap) = results.largest_gap {
+        writeln!(text, "  certified no point of the model is nearer by more than {gap:.1e}")?;
+    }
+    let timings = &report.timings;
+    writeln!(
+        text,
+        "  seconds   read {:.3}  build {:.3}  compute {:.3}  write {:.3}",
+        timings.read, timings.build, timings.compute, timings.write
+    )?;
+    for output in &report.outputs {
+        writeln!(text, "  wrote     {} ({} bytes)", output.path.display(), output.bytes)?;
+    }
+    Ok(())
+}
+
+/// A number with six decimals, or with an exponent where these would hide it.
+fn plain(value: f64) -> String {
+    let size = value.abs();
+    if size >= 1e9 || (size < 1e-3 && size > 0.0) { format!("{value:.6e}") } else { format!("{value:.6}") }
+}

@@ -1,0 +1,254 @@
+//! A model prepared for projection, and the footpoints on it in one form for all kinds of model.
+
+use crate::error::Error;
+use crate::model::{Indexed, Model};
+use crate::points::Points;
+use crate::threads;
+use industrial_geometry::footpoint::{
+    CurveFootpoint, CurveProjector, Location, Multiplicity, ProjectionOptions, Status, SurfaceFootpoint,
+    SurfaceProjector,
+};
+use industrial_geometry::mesh::nalgebra::{Point3, Vector3};
+use industrial_geometry::mesh::{Feature, MeshFootpoint, MeshProjector};
+use std::ops::ControlFlow;
+use std::path::Path;
+
+/// Told the number of points done and the total; a break cancels what is left.
+pub(crate) type Progress<'a> = &'a (dyn Fn(usize, usize) -> ControlFlow<()> + Sync);
+
+/// A footpoint on any model. Numbers are NaN where nothing was computed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Foot {
+    /// The closest point; z = 0 in the plane.
+    pub(crate) point: [f64; 3],
+    /// Distance, with a sign where the model gives one.
+    pub(crate) distance: f64,
+    /// How much nearer another point could be at most; NaN where nothing was certified.
+    pub(crate) gap: f64,
+    /// Parameters `u, v` on a surface, `t` and NaN on a curve, NaN on a mesh.
+    pub(crate) parameter: [f64; 2],
+    /// Index of the curve or surface in the file, 0 on a mesh.
+    pub(crate) shape: u32,
+    /// Index of the triangle on a mesh.
+    pub(crate) triangle: u32,
+    /// How the projection ended.
+    pub(crate) status: Status,
+    /// Where on the shape the point lies.
+    pub(crate) location: &'static str,
+    /// Whether others are as near.
+    pub(crate) multiplicity: Multiplicity,
+}
+
+impl Foot {
+    /// Nothing was computed, for the reason given.
+    pub(crate) fn none(status: Status) -> Self {
+        Self {
+            point: [f64::NAN; 3],
+            distance: f64::NAN,
+            gap: f64::NAN,
+            parameter: [f64::NAN; 2],
+            shape: u32::MAX,
+            triangle: u32::MAX,
+            status,
+            location: "none",
+            multiplicity: Multiplicity::Unknown,
+        }
+    }
+
+    /// Whether there is a footpoint.
+    pub(crate) fn exists(&self) -> bool {
+        !self.distance.is_nan()
+    }
+}
+
+/// A projector, and the index in the file of each of its shapes.
+type Indices<P> = Box<(P, Vec<u32>)>;
+
+/// A model prepared for queries.
+#[derive(Debug)]
+pub(crate) enum Target {
+    /// Curves in the plane.
+    Plane(Box<CurveProjector<2>>),
+    /// Curves and surfaces in space, with their indices in the file.
+    Space { surfaces: Option<Indices<SurfaceProjector>>, curves: Option<Indices<CurveProjector<3>>> },
+    /// A triangle mesh.
+    Mesh(Box<MeshProjector>),
+}
+
+impl Target {
+    /// Prepares a model; `path` is named in errors.
+    pub(crate) fn build(model: Model, path: &Path) -> Result<Self, Error> {
+        let model_error = |source| Error::Model { path: path.to_path_buf(), source };
+        Ok(match model {
+            Model::Plane(curves) => {
+                Self::Plane(Box::new(CurveProjector::for_model(&curves).map_err(model_error)?))
+            }
+            Model::Space { surfaces, curves } => Self::Space {
+                surfaces: prepare(surfaces, SurfaceProjector::for_model).map_err(model_error)?,
+                curves: prepare(curves, CurveProjector::for_model).map_err(model_error)?,
+            },
+            Model::Mesh(mesh) => {
+                let mesh_error = |source| Error::Mesh { path: path.to_path_buf(), source };
+                Self::Mesh(Box::new(MeshProjector::new(&mesh).map_err(mesh_error)?))
+            }
+        })
+    }
+
+    /// Number of Bézier pieces or triangles that are searched.
+    pub(crate) fn piece_count(&self) -> usize {
+        match self {
+            Self::Plane(curves) => curves.piece_count(),
+            Self::Space { surfaces, curves } => {
+                surfaces.as_ref().map_or(0, |surfaces| surfaces.0.patch_count())
+                    + curves.as_ref().map_or(0, |curves| curves.0.piece_count())
+            }
+            Self::Mesh(mesh) => mesh.topology().triangles - mesh.skipped(),
+        }
+    }
+
+    /// Projects all points; `path` is the file they came from.
+    pub(crate) fn project(
+        &self,
+        points: &Points,
+        path: &Path,
+        options: &ProjectionOptions,
+        progress: Progress<'_>,
+    ) -> Result<Vec<Foot>, Error> {
+        match self {
+            Self::Plane(curves) => {
+                let queries = points.in_plane(path)?;
+                let found = curves.project_many(&queries, options, progress);
+                drop(queries);
+                Ok(found.iter().map(|foot| curve_foot(foot, u32_index(foot.shape))).collect())
+            }
+            Self::Space { surfaces, curves } => {
+                let queries = points.in_space(path)?;
+                let on_surfaces = surfaces.as_deref().map(|(projector, indices)| {
+                    let found = projector.project_many(&queries, options, progress);
+                    found.iter().map(|foot| surface_foot(foot, indices)).collect::<Vec<_>>()
+                });
+                let on_curves = curves.as_deref().map(|(projector, indices)| {
+                    let found = projector.project_many(&queries, options, progress);
+                    let index =
+                        |foot: &CurveFootpoint<3>| indices.get(foot.shape).copied().unwrap_or(u32::MAX);
+                    found.iter().map(|foot| curve_foot(foot, index(foot))).collect::<Vec<_>>()
+                });
+                Ok(match (on_surfaces, on_curves) {
+                    (Some(surfaces), Some(curves)) => {
+                        let pairs = surfaces.into_iter().zip(curves);
+                        pairs.map(|(a, b)| nearer(a, b, options.tie_tolerance)).collect()
+                    }
+                    (Some(feet), None) | (None, Some(feet)) => feet,
+                    (None, None) => Vec::new(),
+                })
+            }
+            Self::Mesh(mesh) => {
+                points.in_space(path)?;
+                let cancelled = Foot::none(Status::Cancelled);
+                Ok(threads::map(&points.positions, &cancelled, progress, |x| mesh_foot(mesh, x)))
+            }
+        }
+    }
+}
+
+fn prepare<T, P, E>(
+    shapes: Indexed<T>,
+    build: impl Fn(&[T]) -> Result<P, E>,
+) -> Result<Option<Indices<P>>, E> {
+    if shapes.shapes.is_empty() {
+        return Ok(None);
+    }
+    Ok(Some(Box::new((build(&shapes.shapes)?, shapes.indices))))
+}
+
+fn u32_index(index: usize) -> u32 {
+    u32::try_from(index).unwrap_or(u32::MAX)
+}
+
+fn place(location: Location) -> &'static str {
+    match location {
+        Location::Interior => "interior",
+        Location::Edge => "edge",
+        Location::Corner => "corner",
+        Location::Seam => "seam",
+        Location::Pole => "pole",
+    }
+}
+
+fn surface_foot(foot: &SurfaceFootpoint, indices: &[u32]) -> Foot {
+    if foot.distance.is_nan() {
+        return Foot::none(foot.status);
+    }
+    Foot {
+        point: foot.point.into(),
+        distance: foot.signed_distance,
+        gap: foot.gap(),
+        parameter: foot.parameter,
+        shape: indices.get(foot.shape).copied().unwrap_or(u32::MAX),
+        triangle: u32::MAX,
+        status: foot.status,
+        location: place(foot.location),
+        multiplicity: foot.multiplicity,
+    }
+}
+
+fn curve_foot<const D: usize>(foot: &CurveFootpoint<D>, shape: u32) -> Foot {
+    if foot.distance.is_nan() {
+        return Foot::none(foot.status);
+    }
+    let mut point = [0.0; 3];
+    for (to, from) in point.iter_mut().zip(foot.point.iter()) {
+        *to = *from;
+    }
+    Foot {
+        point,
+        distance: foot.distance,
+        gap: foot.gap(),
+        parameter: [foot.parameter, f64::NAN],
+        shape,
+        triangle: u32::MAX,
+        status: foot.status,
+        location: place(foot.location),
+        multiplicity: foot.multiplicity,
+    }
+}
+
+fn mesh_foot(mesh: &MeshProjector, x: &Point3<f64>) -> Foot {
+    let found: Result<MeshFootpoint, _> = mesh.project(x);
+    match found {
+        Ok(foot) => Foot {
+            point: foot.point.into(),
+            distance: foot.signed_distance.unwrap_or(foot.distance),
+            gap: 0.0,
+            parameter: [f64::NAN; 2],
+            shape: 0,
+            triangle: u32_index(foot.triangle),
+            status: Status::Converged,
+            location: match foot.feature {
+                Feature::Face => "face",
+                Feature::Edge(_) => "triangle_edge",
+                Feature::Vertex(_) => "vertex",
+            },
+            multiplicity: Multiplicity::Unknown,
+        },
+        // The only other reason is a distance beyond the range of doubles.
+        Err(_) if x.coords.iter().all(|value| value.is_finite()) => Foot::none(Status::Diverged),
+        Err(_) => Foot::none(Status::InvalidPoint),
+    }
+}
+
+/// The nearer of two footpoints, `a` where both are as near; the gap counts what either could still hide.
+fn nearer(a: Foot, b: Foot, tie: f64) -> Foot {
+    if !a.exists() || !b.exists() {
+        return if a.exists() { a } else { b };
+    }
+    let (first, second) = if b.distance.abs() < a.distance.abs() { (b, a) } else { (a, b) };
+    let bound = (first.distance.abs() - first.gap).min(second.distance.abs() - second.gap);
+    let is_tie = second.distance.abs() - first.distance.abs() <= tie * first.distance.abs()
+        && (Vector3::from(first.point) - Vector3::from(second.point)).norm() > tie * first.distance.abs();
+    let multiplicity = match first.multiplicity {
+        Multiplicity::Unique if is_tie => Multiplicity::Tied,
+        other => other,
+    };
+    Foot { gap: first.distance.abs() - bound, multiplicity, ..first }
+}
