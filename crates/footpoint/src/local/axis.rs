@@ -47,13 +47,13 @@ impl Axis {
             let (a, b) = (curve.point(domain.start()), curve.point(domain.end()));
             (a - b).norm() <= CLOSURE * (a.norm() + b.norm())
         };
-        Self::new(domain, periodic, closed, &curve.breaks())
+        Self::new(domain, periodic, closed, &curve.derivative_breaks())
     }
 
     pub(crate) fn of_surface<S: ParametricSurface + ?Sized>(surface: &S) -> [Self; 2] {
         let domains = surface.domain();
         let periods = surface.period();
-        let breaks = surface.breaks();
+        let breaks = surface.derivative_breaks();
         [0, 1].map(|k| {
             let periodic = periods[k].is_some();
             let closed = !periodic

@@ -10,10 +10,10 @@
 mod curve;
 mod surface;
 
+use crate::Break;
+
 pub use curve::{OffsetCurve, ThirdOrderCurve};
 pub use surface::{OffsetSurface, SurfaceThird, ThirdOrderSurface};
-
-use crate::Break;
 
 /// Breaks of an offset from the breaks of its base: the normal costs one order of smoothness.
 fn breaks_of_offset(knots: Vec<f64>, base: Vec<Break>) -> Vec<Break> {
@@ -24,4 +24,17 @@ fn breaks_of_offset(knots: Vec<f64>, base: Vec<Break>) -> Vec<Break> {
     breaks.extend(smooth.map(|parameter| Break { parameter, continuity: 1 }));
     breaks.sort_by(|a, b| a.parameter.total_cmp(&b.parameter));
     breaks
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_offset_is_once_less_smooth() {
+        let base = vec![Break { parameter: 0.5, continuity: 1 }, Break { parameter: 0.75, continuity: 0 }];
+        let breaks = breaks_of_offset(vec![0.25, 0.5, 0.75], base);
+        let found: Vec<_> = breaks.iter().map(|b| (b.parameter, b.continuity)).collect();
+        assert_eq!(found, [(0.25, 1), (0.5, 0), (0.75, 0)]);
+    }
 }
