@@ -5,6 +5,7 @@
 //! bound, then proofs for every piece that could hold something nearer.
 
 pub(crate) mod bernstein;
+pub(crate) mod box_tests;
 pub(crate) mod cells;
 pub(crate) mod descend;
 pub(crate) mod dispatch;

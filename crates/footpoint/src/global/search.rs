@@ -1,10 +1,10 @@
 //! Best-first search for the nearest point of a set of patches, and its certificate.
 
+use super::box_tests::argmin;
 use super::descend::Foot;
 use super::gap::Gap;
 use super::lanes::{row_max, row_min, zero_row};
 use super::patch::PatchSet;
-use super::prove::argmin;
 use super::scratch::{Candidate, Scratch};
 use super::tree::{Content, Visit};
 use nalgebra::Vector3;
