@@ -2,8 +2,8 @@
 
 use crate::fit::Placement;
 use industrial_geometry::nurbs::nalgebra::Vector3;
-use industrial_geometry::nurbs::{BsplineSurface, Error, Interval, KnotVector};
-use std::f64::consts::{FRAC_1_SQRT_2, TAU};
+use industrial_geometry::nurbs::{BsplineSurface, Cylinder, Error, Frame, Interval, KnotVector};
+use std::f64::consts::TAU;
 
 /// Nominal (major) diameter in mm.
 pub(crate) const DIAMETER: f64 = 12.0;
@@ -87,17 +87,6 @@ fn clamp(rows: &mut [Vec<Vector3<f64>>], spans: usize) -> Result<KnotVector, Err
 
 /// The shank between two heights: an exact rational cylinder of nominal diameter.
 pub(crate) fn shank(placement: &Placement, heights: [f64; 2]) -> Result<BsplineSurface, Error> {
-    let mut points = Vec::new();
-    let mut weights = Vec::new();
-    for eighth in 0..9 {
-        let (stretch, weight) =
-            if eighth % 2 == 0 { (1.0, 1.0) } else { (1.0 / FRAC_1_SQRT_2, FRAC_1_SQRT_2) };
-        for height in heights {
-            points.push(placement.point(crest_radius() * stretch, eighth as f64 * TAU / 8.0, height));
-            weights.push(weight);
-        }
-    }
-    let turns = vec![0.0, 0.0, 0.0, 0.25, 0.25, 0.5, 0.5, 0.75, 0.75, 1.0, 1.0, 1.0];
-    let along = KnotVector::bezier(1, Interval::new(heights[0], heights[1])?)?;
-    BsplineSurface::new(KnotVector::new(2, turns)?, along, points, Some(weights))
+    let frame = Frame::new(placement.origin, placement.axis, placement.e1)?;
+    Cylinder::new(frame, crest_radius(), Interval::new(heights[0], heights[1])?)?.to_nurbs()
 }
