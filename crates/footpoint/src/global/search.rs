@@ -12,6 +12,9 @@ use nalgebra::Vector3;
 /// Limit of the local iterations that start inside a search.
 const MAX_STEPS: u32 = 40;
 
+/// Limit of the local iteration that finishes a footpoint which has not settled.
+const PATIENT_STEPS: u32 = 400;
+
 /// Further local iterations when there is no proof.
 const SECOND_SEEDS: usize = 2;
 
@@ -78,6 +81,7 @@ impl<const K: usize> PatchSet<K> {
         }
         if !prove {
             self.second_seeds(x, &mut best, scratch);
+            self.settle(x, &mut best);
             return Found { foot: best, bound_sq: 0.0 };
         }
         let mut bound_sq = limit_sq;
@@ -89,6 +93,7 @@ impl<const K: usize> PatchSet<K> {
                 bound_sq = bound_sq.min(self.prove(x, candidate.patch, &mut best, gap, scratch));
             }
         }
+        self.settle(x, &mut best);
         Found { foot: best, bound_sq: bound_sq.min(gap.limit_sq(best.distance_sq)) }
     }
 
@@ -101,6 +106,17 @@ impl<const K: usize> PatchSet<K> {
             *best = found;
         }
         best.steps = steps;
+    }
+
+    /// Goes on where the steps ran out: near centres of curvature the convergence is only linear.
+    #[inline(always)]
+    fn settle(&self, x: &Vector3<f64>, best: &mut Foot) {
+        if !best.settled {
+            let found = self.descend(x, best.patch, best.local, PATIENT_STEPS);
+            if found.distance_sq <= best.distance_sq {
+                *best = Foot { steps: best.steps + found.steps, ..found };
+            }
+        }
     }
 
     /// Without a proof, the best samples that did not seem worth an iteration get one after all.

@@ -13,6 +13,9 @@ const LAST_STEP: f64 = 1e-7;
 /// Limit of the local iterations that start inside a search.
 const MAX_STEPS: u32 = 40;
 
+/// Limit of the local iteration that finishes a footpoint which has not settled.
+const PATIENT_STEPS: u32 = 400;
+
 /// A place on the curves and its distance from the query.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CurveFoot {
@@ -168,6 +171,7 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
             }
         }
         if !prove {
+            self.settle(x, &mut best);
             return (best, 0.0);
         }
         let mut bound_sq = limit_sq;
@@ -177,7 +181,19 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
                 bound_sq = bound_sq.min(self.prove(x, index, &mut best, gap, scratch));
             }
         }
+        self.settle(x, &mut best);
         (best, bound_sq.min(gap.limit_sq(best.distance_sq)))
+    }
+
+    /// Goes on where the steps ran out: near centres of curvature the convergence is only linear.
+    #[inline(always)]
+    fn settle(&self, x: &SVector<f64, D>, best: &mut CurveFoot) {
+        if !best.settled {
+            let found = self.descend(x, best.piece, best.local, PATIENT_STEPS);
+            if found.distance_sq <= best.distance_sq {
+                *best = CurveFoot { steps: best.steps + found.steps, ..found };
+            }
+        }
     }
 
     /// Shows that no point of the piece is nearer than the limit, improving `best` where one is.
