@@ -124,11 +124,11 @@ fn collect(folder: &Path, since: SystemTime, times: &mut BTreeMap<String, f64>) 
     let Ok(entries) = std::fs::read_dir(folder) else { return Ok(()) };
     for path in entries.flatten().map(|entry| entry.path()).filter(|path| path.is_dir()) {
         if path.file_name().is_some_and(|name| name == "new") {
-            let estimates = path.join("estimates.json");
-            let changed = std::fs::metadata(&estimates).and_then(|data| data.modified());
+            let sample = path.join("sample.json");
+            let changed = std::fs::metadata(&sample).and_then(|data| data.modified());
             if changed.is_ok_and(|changed| changed >= since) {
-                let (benchmark, estimates) = (read(&path.join("benchmark.json"))?, read(&estimates)?);
-                let (id, time) = time_per_element(&benchmark, &estimates).ok_or_else(|| {
+                let (benchmark, sample) = (read(&path.join("benchmark.json"))?, read(&sample)?);
+                let (id, time) = time_per_element(&benchmark, &sample).ok_or_else(|| {
                     Failure::Failed(format!("{}: not the files that criterion 0.8 writes", path.display()))
                 })?;
                 times.insert(id, time);
@@ -146,10 +146,13 @@ fn read(path: &Path) -> Result<Value, Failure> {
     serde_json::from_str(&text).map_err(|error| failed(error.to_string()))
 }
 
-/// The median, which a disturbance by other programs moves least, divided by the number of elements.
-fn time_per_element(benchmark: &Value, estimates: &Value) -> Option<(String, f64)> {
+/// The shortest time per iteration among the samples, divided by the number of elements. The work is the same in every
+/// sample, so that whatever is longer was disturbed by other programs; medians of a busy machine differ by half.
+fn time_per_element(benchmark: &Value, sample: &Value) -> Option<(String, f64)> {
     let id = benchmark["full_id"].as_str()?.to_owned();
-    let time = estimates["median"]["point_estimate"].as_f64()?;
+    let (times, iterations) = (sample["times"].as_array()?, sample["iters"].as_array()?);
+    let per_iteration = times.iter().zip(iterations).filter_map(|(t, n)| Some(t.as_f64()? / n.as_f64()?));
+    let time = per_iteration.reduce(f64::min)?;
     let elements = benchmark["throughput"]["Elements"].as_f64().unwrap_or(1.0);
     Some((id, time / elements))
 }
@@ -182,7 +185,7 @@ fn report(times: &BTreeMap<String, f64>, processor: &str, quick: bool) -> Result
     let mut text = format!(
         "# Benchmarks\n\nMade by `cargo xtask bench{}`; do not edit.\n\nAll numbers are ratios of times: 1 is one jet of a \
          bicubic polynomial B-spline surface (point and five derivatives, `{UNIT}`),\nwhich took {unit:.0} ns here. Rows with \
-         several elements are per element. Medians of one thread, default build flags\n(no `target-cpu`; vector instructions \
+         several elements are per element. Fastest samples of one thread, default build flags\n(no `target-cpu`; vector instructions \
          are chosen at run time).\n\nMachine: {processor}.\n",
         if quick { " --quick" } else { "" },
     );
@@ -231,11 +234,11 @@ mod tests {
     #[test]
     fn times_are_per_element() {
         let benchmark = json!({ "full_id": "jet/bicubic/single", "throughput": { "Elements": 1024 } });
-        let estimates = json!({ "median": { "point_estimate": 20480.0 }, "mean": { "point_estimate": 1e9 } });
-        assert_eq!(time_per_element(&benchmark, &estimates), Some((UNIT.to_owned(), 20.0)));
+        let sample = json!({ "times": [90000.0, 40960.0, 22000.0], "iters": [1.0, 2.0, 1.0] });
+        assert_eq!(time_per_element(&benchmark, &sample), Some((UNIT.to_owned(), 20.0)));
         let benchmark = json!({ "full_id": "a/b", "throughput": null });
-        assert_eq!(time_per_element(&benchmark, &estimates), Some(("a/b".to_owned(), 20480.0)));
-        assert_eq!(time_per_element(&json!({}), &estimates), None);
+        assert_eq!(time_per_element(&benchmark, &sample), Some(("a/b".to_owned(), 20480.0)));
+        assert_eq!(time_per_element(&json!({}), &sample), None);
     }
 
     #[test]
