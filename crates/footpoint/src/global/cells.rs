@@ -10,7 +10,8 @@ const SMOOTH: f64 = 1e-9;
 #[derive(Clone, Debug)]
 pub(crate) struct Cells {
     first: usize,
-    counts: [usize; 2],
+    /// Number of cells in each direction.
+    pub(crate) counts: [usize; 2],
     /// `smooth[d][i]`: whether the border below cell `i` in direction `d` can be crossed by Newton steps
     /// (index 0: the seam of a closed surface).
     smooth: [Vec<bool>; 2],

@@ -176,6 +176,11 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
         out
     }
 
+    /// Bernstein coefficients of the squared weight function, unless it is constant 1.
+    pub(crate) fn weight_form(&self, piece: &Piece<D>) -> Option<&Row<K>> {
+        piece.rational.then(|| &self.forms[piece.form + 1 + D])
+    }
+
     /// The jet at the local parameter, relative to the centre.
     #[inline(always)]
     pub(crate) fn jet(&self, piece: &Piece<D>, s: f64) -> CurveJet<D> {
@@ -216,7 +221,7 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
     }
 }
 
-fn bounds<const D: usize>(points: &[SVector<f64, D>]) -> Bounds<D> {
+pub(crate) fn bounds<const D: usize>(points: &[SVector<f64, D>]) -> Bounds<D> {
     let mut low = SVector::<f64, D>::repeat(f64::INFINITY);
     let mut high = -low;
     for p in points {
@@ -226,7 +231,7 @@ fn bounds<const D: usize>(points: &[SVector<f64, D>]) -> Bounds<D> {
     [low.into(), high.into()]
 }
 
-fn extent<const D: usize>(boxes: &[Bounds<D>]) -> f64 {
+pub(crate) fn extent<const D: usize>(boxes: &[Bounds<D>]) -> f64 {
     let side = |d: usize| {
         let low = boxes.iter().map(|b| b[0][d]).fold(f64::INFINITY, f64::min);
         boxes.iter().map(|b| b[1][d]).fold(f64::NEG_INFINITY, f64::max) - low

@@ -48,13 +48,13 @@ struct Levels {
     tie: f64,
 }
 
-/// Bounds of the derivatives of `G` over a box, in box parameters.
-struct Bends {
-    du: [f64; 2],
-    dv: [f64; 2],
-    duu: f64,
-    dvv: f64,
-    duv: f64,
+/// Ranges of the differences of the coefficients of a form over a box.
+pub(crate) struct Bends {
+    pub(crate) du: [f64; 2],
+    pub(crate) dv: [f64; 2],
+    pub(crate) duu: [f64; 2],
+    pub(crate) dvv: [f64; 2],
+    pub(crate) duv: [f64; 2],
 }
 
 impl<const K: usize> PatchSet<K> {
@@ -212,9 +212,9 @@ impl<const K: usize> PatchSet<K> {
         let n = Self::DEGREE as f64;
         // Differences of second order hold up to four rounding errors.
         let slack = 4.0 * levels.noise;
-        let a = m * (m - 1.0) * (bends.duu - slack);
-        let b = n * (n - 1.0) * (bends.dvv - slack);
-        let c = m * n * (bends.duv + slack);
+        let a = m * (m - 1.0) * (bends.duu[0] - slack);
+        let b = n * (n - 1.0) * (bends.dvv[0] - slack);
+        let c = m * n * (bends.duv[1].abs().max(bends.duv[0].abs()) + slack);
         let inside = focus.map(|f| region.local(f));
         if a > 0.0 && b > 0.0 && a * b > c * c {
             let strength = 0.5 * (a + b) - (0.25 * (a - b) * (a - b) + c * c).sqrt();
@@ -259,16 +259,7 @@ impl<const K: usize> PatchSet<K> {
                 }
                 continue;
             }
-            let (edge, n) = if d == 0 {
-                (rows[end * (rows.len() - 1)], Self::DEGREE)
-            } else {
-                let mut column = zero_row::<K>();
-                for (i, row) in rows.iter().enumerate() {
-                    column[i / WIDTH].0[i % WIDTH] =
-                        if end == 0 { row[0].0[0] } else { row[K - 1].0[WIDTH - 1] };
-                }
-                (column, rows.len() - 1)
-            };
+            let (edge, n) = edge(rows, d, end);
             let place = |s: f64| {
                 let mut at = [s; 2];
                 at[d] = end as f64;
@@ -357,7 +348,7 @@ impl<const K: usize> PatchSet<K> {
 
     /// The rows of both halves of a box, one after the other.
     #[inline(always)]
-    fn halve(&self, rows: &[Row<K>], direction: usize, out: &mut [Row<K>]) {
+    pub(crate) fn halve(&self, rows: &[Row<K>], direction: usize, out: &mut [Row<K>]) {
         let m = rows.len();
         let (low, high) = out.split_at_mut(m);
         if direction == 0 {
@@ -382,12 +373,25 @@ impl<const K: usize> PatchSet<K> {
 
 /// Largest absolute value of the coefficients.
 #[inline(always)]
-fn largest<const K: usize>(rows: &[Row<K>]) -> f64 {
+pub(crate) fn largest<const K: usize>(rows: &[Row<K>]) -> f64 {
     let (mut low, mut high) = (rows[0], rows[0]);
     for row in &rows[1..] {
         widen(&mut low, &mut high, row);
     }
     row_max(&high).abs().max(row_min(&low).abs())
+}
+
+/// The coefficients on the lower or upper side of direction `d`, and their degree.
+#[inline(always)]
+pub(crate) fn edge<const K: usize>(rows: &[Row<K>], d: usize, end: usize) -> (Row<K>, usize) {
+    if d == 0 {
+        return (rows[end * (rows.len() - 1)], WIDTH * K - 1);
+    }
+    let mut column = zero_row::<K>();
+    for (i, row) in rows.iter().enumerate() {
+        column[i / WIDTH].0[i % WIDTH] = if end == 0 { row[0].0[0] } else { row[K - 1].0[WIDTH - 1] };
+    }
+    (column, rows.len() - 1)
 }
 
 /// Place of the smallest coefficient, in box parameters.
@@ -408,7 +412,7 @@ pub(crate) fn argmin<const K: usize>(rows: &[Row<K>]) -> [f64; 2] {
 }
 
 #[inline(always)]
-fn bends<const K: usize>(rows: &[Row<K>]) -> Bends {
+pub(crate) fn bends<const K: usize>(rows: &[Row<K>]) -> Bends {
     let m = rows.len();
     let inf = [super::lanes::Lanes::splat(f64::INFINITY); K];
     let ninf = [super::lanes::Lanes::splat(f64::NEG_INFINITY); K];
@@ -432,9 +436,9 @@ fn bends<const K: usize>(rows: &[Row<K>]) -> Bends {
     Bends {
         du: [row_min(&du.0), row_max(&du.1)],
         dv: [row_min(&dv.0), row_max(&dv.1)],
-        duu: row_min(&duu.0),
-        dvv: row_min(&dvv.0),
-        duv: row_max(&duv.1).abs().max(row_min(&duv.0).abs()),
+        duu: [row_min(&duu.0), row_max(&duu.1)],
+        dvv: [row_min(&dvv.0), row_max(&dvv.1)],
+        duv: [row_min(&duv.0), row_max(&duv.1)],
     }
 }
 
@@ -500,7 +504,7 @@ fn ridge_v<const K: usize>(rows: &[Row<K>], t: f64, b: f64, levels: &Levels) -> 
 
 /// The direction in which the control net sags most at its lowest coefficient.
 #[inline(always)]
-fn sag_direction<const K: usize>(rows: &[Row<K>]) -> usize {
+pub(crate) fn sag_direction<const K: usize>(rows: &[Row<K>]) -> usize {
     let (m, n) = (rows.len() - 1, WIDTH * K - 1);
     let [s, t] = argmin(rows);
     let (i, j) = ((s * m as f64).round() as usize, (t * n as f64).round() as usize);

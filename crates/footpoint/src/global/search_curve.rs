@@ -32,7 +32,7 @@ impl CurveFoot {
 /// Buffers of one search at a time.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct CurveScratch<const K: usize> {
-    visits: Vec<Visit>,
+    pub(crate) visits: Vec<Visit>,
     candidates: Vec<(usize, f64)>,
     segments: Vec<Segment<K>>,
     /// Places that may be as near as the footpoint.
