@@ -38,5 +38,5 @@ mod status;
 pub use error::Error;
 pub use footpoint::{CurveFootpoint, SurfaceFootpoint};
 pub use options::{Mode, ProjectionOptions};
-pub use projector::{CurveProjector, Progress, SurfaceProjector, no_progress};
+pub use projector::{CurveFeet, CurveProjector, Progress, SurfaceFeet, SurfaceProjector, no_progress};
 pub use status::{Location, Multiplicity, Status};

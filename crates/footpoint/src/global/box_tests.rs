@@ -6,18 +6,18 @@ use super::lanes::{
     zero_row,
 };
 
-/// Bounds of the derivatives of `G` over a box, in box parameters.
-pub(super) struct Bends {
-    pub(super) du: [f64; 2],
-    pub(super) dv: [f64; 2],
-    pub(super) duu: f64,
-    pub(super) dvv: f64,
-    pub(super) duv: f64,
+/// Ranges of the differences of the coefficients of a form over a box.
+pub(crate) struct Bends {
+    pub(crate) du: [f64; 2],
+    pub(crate) dv: [f64; 2],
+    pub(crate) duu: [f64; 2],
+    pub(crate) dvv: [f64; 2],
+    pub(crate) duv: [f64; 2],
 }
 
 /// Largest absolute value of the coefficients.
 #[inline(always)]
-pub(super) fn largest<const K: usize>(rows: &[Row<K>]) -> f64 {
+pub(crate) fn largest<const K: usize>(rows: &[Row<K>]) -> f64 {
     let (mut low, mut high) = (rows[0], rows[0]);
     for row in &rows[1..] {
         widen(&mut low, &mut high, row);
@@ -25,9 +25,22 @@ pub(super) fn largest<const K: usize>(rows: &[Row<K>]) -> f64 {
     row_max(&high).abs().max(row_min(&low).abs())
 }
 
-/// Place of the smallest coefficient, in box parameters.
+/// The coefficients on the lower or upper side of direction `d`, and their degree.
 #[inline(always)]
-pub(crate) fn argmin<const K: usize>(rows: &[Row<K>]) -> [f64; 2] {
+pub(crate) fn edge<const K: usize>(rows: &[Row<K>], d: usize, end: usize) -> (Row<K>, usize) {
+    if d == 0 {
+        return (rows[end * (rows.len() - 1)], WIDTH * K - 1);
+    }
+    let mut column = zero_row::<K>();
+    for (i, row) in rows.iter().enumerate() {
+        column[i / WIDTH].0[i % WIDTH] = if end == 0 { row[0].0[0] } else { row[K - 1].0[WIDTH - 1] };
+    }
+    (column, rows.len() - 1)
+}
+
+/// Row and column of the smallest coefficient.
+#[inline(always)]
+fn argmin_index<const K: usize>(rows: &[Row<K>]) -> (usize, usize) {
     let mut best = (f64::INFINITY, 0, 0);
     for (i, row) in rows.iter().enumerate() {
         if row_min(row) < best.0 {
@@ -39,11 +52,18 @@ pub(crate) fn argmin<const K: usize>(rows: &[Row<K>]) -> [f64; 2] {
             }
         }
     }
-    [best.1 as f64 / (rows.len() - 1) as f64, best.2 as f64 / (WIDTH * K - 1) as f64]
+    (best.1, best.2)
+}
+
+/// Place of the smallest coefficient, in box parameters.
+#[inline(always)]
+pub(crate) fn argmin<const K: usize>(rows: &[Row<K>]) -> [f64; 2] {
+    let (i, j) = argmin_index(rows);
+    [i as f64 / (rows.len() - 1) as f64, j as f64 / (WIDTH * K - 1) as f64]
 }
 
 #[inline(always)]
-pub(super) fn bends<const K: usize>(rows: &[Row<K>]) -> Bends {
+pub(crate) fn bends<const K: usize>(rows: &[Row<K>]) -> Bends {
     let m = rows.len();
     let inf = [Lanes::splat(f64::INFINITY); K];
     let ninf = [Lanes::splat(f64::NEG_INFINITY); K];
@@ -67,15 +87,15 @@ pub(super) fn bends<const K: usize>(rows: &[Row<K>]) -> Bends {
     Bends {
         du: [row_min(&du.0), row_max(&du.1)],
         dv: [row_min(&dv.0), row_max(&dv.1)],
-        duu: row_min(&duu.0),
-        dvv: row_min(&dvv.0),
-        duv: row_max(&duv.1).abs().max(row_min(&duv.0).abs()),
+        duu: [row_min(&duu.0), row_max(&duu.1)],
+        dvv: [row_min(&dvv.0), row_max(&dvv.1)],
+        duv: [row_min(&duv.0), row_max(&duv.1)],
     }
 }
 
 /// Value, gradient and Hessian (`ss`, `st`, `tt`) of `G` at a place of the box.
 #[inline(always)]
-pub(super) fn evaluate<const K: usize>(rows: &[Row<K>], at: [f64; 2]) -> (f64, [f64; 2], [f64; 3]) {
+pub(crate) fn evaluate<const K: usize>(rows: &[Row<K>], at: [f64; 2]) -> (f64, [f64; 2], [f64; 3]) {
     let bu = basis_rows::<K>(rows.len() - 1, at[0]);
     let mut sums = [zero_row::<K>(); 3];
     for (i, row) in rows.iter().enumerate() {
@@ -93,7 +113,7 @@ pub(super) fn evaluate<const K: usize>(rows: &[Row<K>], at: [f64; 2]) -> (f64, [
 
 /// Whether `G ≥ G(s, ·) − G_u(s, ·)² / 2a` keeps the box above zero, `a` being a lower bound of `G_uu`.
 #[inline(always)]
-pub(super) fn ridge_u<const K: usize>(rows: &[Row<K>], s: f64, a: f64, floor: f64) -> bool {
+pub(crate) fn ridge_u<const K: usize>(rows: &[Row<K>], s: f64, a: f64, floor: f64) -> bool {
     let b = basis_rows::<K>(rows.len() - 1, s);
     let (mut value, mut slope) = (zero_row::<K>(), zero_row::<K>());
     for (i, row) in rows.iter().enumerate() {
@@ -114,7 +134,7 @@ pub(super) fn ridge_u<const K: usize>(rows: &[Row<K>], s: f64, a: f64, floor: f6
 
 /// As [`ridge_u`], along a line of constant `v`.
 #[inline(always)]
-pub(super) fn ridge_v<const K: usize>(rows: &[Row<K>], t: f64, b: f64, floor: f64) -> bool {
+pub(crate) fn ridge_v<const K: usize>(rows: &[Row<K>], t: f64, b: f64, floor: f64) -> bool {
     let basis = basis_rows::<K>(WIDTH * K - 1, t);
     let (mut least, mut falls, mut rises) = (f64::INFINITY, 0.0f64, 0.0f64);
     for row in rows {
@@ -135,10 +155,9 @@ pub(super) fn ridge_v<const K: usize>(rows: &[Row<K>], t: f64, b: f64, floor: f6
 
 /// The direction in which the control net sags most at its lowest coefficient.
 #[inline(always)]
-pub(super) fn sag_direction<const K: usize>(rows: &[Row<K>]) -> usize {
+pub(crate) fn sag_direction<const K: usize>(rows: &[Row<K>]) -> usize {
     let (m, n) = (rows.len() - 1, WIDTH * K - 1);
-    let [s, t] = argmin(rows);
-    let (i, j) = ((s * m as f64).round() as usize, (t * n as f64).round() as usize);
+    let (i, j) = argmin_index(rows);
     let at = |i: usize, j: usize| rows[i][j / WIDTH].0[j % WIDTH];
     let second = |a: f64, b: f64, c: f64| (a - 2.0 * b + c).abs();
     let (ci, cj) = (i.clamp(1, m.max(2) - 1), j.clamp(1, n - 1));

@@ -10,7 +10,8 @@ const SMOOTH: f64 = 1e-9;
 #[derive(Clone, Debug)]
 pub(crate) struct Cells {
     first: usize,
-    counts: [usize; 2],
+    /// Number of cells in each direction.
+    pub(crate) counts: [usize; 2],
     /// `smooth[d][i]`: whether the border below cell `i` in direction `d` can be crossed by Newton steps
     /// (index 0: the seam of a closed surface).
     smooth: [Vec<bool>; 2],
@@ -20,6 +21,12 @@ pub(crate) struct Cells {
     breaks: [Vec<f64>; 2],
     /// Whether the lower and upper edge of direction `d` is collapsed into a point.
     pub(crate) collapsed: [[bool; 2]; 2],
+}
+
+/// The share of the way from `low` to `high` at which a parameter lies, kept between 0 and 1; NaN counts as 0.
+pub(crate) fn unit(parameter: f64, low: f64, high: f64) -> f64 {
+    let share = (parameter - low) / (high - low);
+    if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) }
 }
 
 impl Cells {
@@ -91,7 +98,7 @@ impl Cells {
             let index = breaks.partition_point(|&b| b <= parameter[d]).clamp(1, self.counts[d]) - 1;
             let (low, high) = (breaks[index], breaks[index + 1]);
             cell[d] = index;
-            local[d] = ((parameter[d] - low) / (high - low)).max(0.0).min(1.0);
+            local[d] = unit(parameter[d], low, high);
         }
         (cell, local)
     }

@@ -226,7 +226,7 @@ impl<const K: usize> PatchSet<K> {
                 to[d] = if end == 0 { 1.0 - scaled } else { scaled };
                 index = other;
             }
-            to[d] = to[d].max(0.0).min(1.0);
+            to[d] = to[d].clamp(0.0, 1.0);
         }
         (index, to)
     }

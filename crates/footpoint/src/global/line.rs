@@ -9,10 +9,10 @@ const MAX_DEPTH: u32 = 40;
 /// Bernstein coefficients on a part of `[0, 1]`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Segment<const K: usize> {
-    coefficients: [[f64; WIDTH]; K],
-    start: f64,
-    length: f64,
-    depth: u32,
+    pub(crate) coefficients: [[f64; WIDTH]; K],
+    pub(crate) start: f64,
+    pub(crate) length: f64,
+    pub(crate) depth: u32,
 }
 
 impl<const K: usize> Segment<K> {
@@ -134,7 +134,7 @@ fn minimize_convex<const K: usize>(
         if bound >= -noise || value < -noise || slope == 0.0 {
             break;
         }
-        let next = (s - slope / bend.max(strength)).max(0.0).min(1.0);
+        let next = (s - slope / bend.max(strength)).clamp(0.0, 1.0);
         if next == s {
             // Converged to rounding: the value is the minimum.
             result.2 = result.2.max(value - noise);
@@ -146,7 +146,7 @@ fn minimize_convex<const K: usize>(
 }
 
 #[inline(always)]
-fn halve<const K: usize>(segment: &Segment<K>, n: usize) -> (Segment<K>, Segment<K>) {
+pub(crate) fn halve<const K: usize>(segment: &Segment<K>, n: usize) -> (Segment<K>, Segment<K>) {
     let half = 0.5 * segment.length;
     let depth = segment.depth + 1;
     let mut low = Segment { length: half, depth, ..*segment };

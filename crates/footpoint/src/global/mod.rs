@@ -4,6 +4,9 @@
 //! query, in Bernstein form. Per query: best-first descent to promising pieces, local iteration there for an upper
 //! bound, then proofs for every piece that could hold something nearer.
 
+pub(crate) mod all_feet;
+pub(crate) mod all_feet_curve;
+pub(crate) mod all_feet_line;
 pub(crate) mod bernstein;
 pub(crate) mod box_tests;
 pub(crate) mod cells;

@@ -189,6 +189,12 @@ impl<const K: usize> PatchSet<K> {
         }
     }
 
+    /// Bernstein coefficients of the squared weight function, unless it is constant 1.
+    pub(crate) fn weight_form(&self, patch: &Patch) -> Option<&[Row<K>]> {
+        let rows = patch.rows();
+        patch.rational.then(|| &self.forms[patch.form + 4 * rows..patch.form + 5 * rows])
+    }
+
     /// The jet at the local `(s, t)` with derivatives by local parameters; points relative to the centre.
     #[inline(always)]
     pub(crate) fn jet(&self, patch: &Patch, s: f64, t: f64) -> SurfaceJet {

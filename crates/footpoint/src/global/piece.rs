@@ -1,6 +1,7 @@
 //! Bézier pieces of one or several curves, prepared for the search.
 
 use super::bernstein::{basis_jet, binomial, elevation_matrix};
+use super::cells::unit;
 use super::lanes::{Lanes, Row, WIDTH, zero_row};
 use super::search_curve::CurveScratch;
 use super::tree::{Bounds, BoxTree};
@@ -155,7 +156,7 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
         let (first, breaks) = self.curves.get(shape)?;
         let index = breaks.partition_point(|&b| b <= t).clamp(1, breaks.len() - 1) - 1;
         let (low, high) = (breaks[index], breaks[index + 1]);
-        Some((first + index, ((t - low) / (high - low)).max(0.0).min(1.0)))
+        Some((first + index, unit(t, low, high)))
     }
 
     /// Bernstein coefficients of `w² (|c − x|² − limit_sq)`; `y` is `x − centre`.
@@ -174,6 +175,11 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
             }
         }
         out
+    }
+
+    /// Bernstein coefficients of the squared weight function, unless it is constant 1.
+    pub(crate) fn weight_form(&self, piece: &Piece<D>) -> Option<&Row<K>> {
+        piece.rational.then(|| &self.forms[piece.form + 1 + D])
     }
 
     /// The jet at the local parameter, relative to the centre.
@@ -216,7 +222,7 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
     }
 }
 
-fn bounds<const D: usize>(points: &[SVector<f64, D>]) -> Bounds<D> {
+pub(crate) fn bounds<const D: usize>(points: &[SVector<f64, D>]) -> Bounds<D> {
     let mut low = SVector::<f64, D>::repeat(f64::INFINITY);
     let mut high = -low;
     for p in points {
@@ -226,7 +232,7 @@ fn bounds<const D: usize>(points: &[SVector<f64, D>]) -> Bounds<D> {
     [low.into(), high.into()]
 }
 
-fn extent<const D: usize>(boxes: &[Bounds<D>]) -> f64 {
+pub(crate) fn extent<const D: usize>(boxes: &[Bounds<D>]) -> f64 {
     let side = |d: usize| {
         let low = boxes.iter().map(|b| b[0][d]).fold(f64::INFINITY, f64::min);
         boxes.iter().map(|b| b[1][d]).fold(f64::NEG_INFINITY, f64::max) - low

@@ -10,7 +10,7 @@
 //!   by more than the slope across it can take away. This settles axes and centres, where whole curves of
 //!   points are equally near.
 
-use super::box_tests::{Bends, argmin, bends, evaluate, largest, ridge_u, ridge_v, sag_direction};
+use super::box_tests::{Bends, argmin, bends, edge, evaluate, largest, ridge_u, ridge_v, sag_direction};
 use super::descend::Foot;
 use super::dispatch::vectorized;
 use super::gap::Gap;
@@ -201,26 +201,25 @@ impl<const K: usize> PatchSet<K> {
         let n = Self::DEGREE as f64;
         // Differences of second order hold up to four rounding errors.
         let slack = 4.0 * levels.noise;
-        let a = m * (m - 1.0) * (bends.duu - slack);
-        let b = n * (n - 1.0) * (bends.dvv - slack);
-        let c = m * n * (bends.duv + slack);
+        let a = m * (m - 1.0) * (bends.duu[0] - slack);
+        let b = n * (n - 1.0) * (bends.dvv[0] - slack);
+        let c = m * n * (bends.duv[1].abs().max(bends.duv[0].abs()) + slack);
         let inside = focus.map(|f| region.local(f));
         if a > 0.0 && b > 0.0 && a * b > c * c {
             let strength = 0.5 * (a + b) - (0.25 * (a - b) * (a - b) + c * c).sqrt();
             let start = inside.unwrap_or_else(|| argmin(rows));
             return self.minimize(rows, region, start, strength, levels, index, scratch);
         }
-        if let Some(f) = inside {
-            if (a > 0.0 && ridge_u(rows, f[0], a, levels.floor))
-                || (b > 0.0 && ridge_v(rows, f[1], b, levels.floor))
-            {
-                // Equally near places along the ridge count as ties if they are apart.
-                for s in [0.0, 1.0] {
-                    let place = if a > 0.0 { [f[0], s] } else { [s, f[1]] };
-                    scratch.note_tie(index, region.place(place));
-                }
-                return Verdict::Dropped;
+        if let Some(f) = inside
+            && ((a > 0.0 && ridge_u(rows, f[0], a, levels.floor))
+                || (b > 0.0 && ridge_v(rows, f[1], b, levels.floor)))
+        {
+            // Equally near places along the ridge count as ties if they are apart.
+            for s in [0.0, 1.0] {
+                let place = if a > 0.0 { [f[0], s] } else { [s, f[1]] };
+                scratch.note_tie(index, region.place(place));
             }
+            return Verdict::Dropped;
         }
         Verdict::Undecided(sag_direction(rows), min)
     }
@@ -250,16 +249,7 @@ impl<const K: usize> PatchSet<K> {
                 }
                 continue;
             }
-            let (edge, n) = if d == 0 {
-                (rows[end * (rows.len() - 1)], Self::DEGREE)
-            } else {
-                let mut column = zero_row::<K>();
-                for (i, row) in rows.iter().enumerate() {
-                    column[i / WIDTH].0[i % WIDTH] =
-                        if end == 0 { row[0].0[0] } else { row[K - 1].0[WIDTH - 1] };
-                }
-                (column, rows.len() - 1)
-            };
+            let (edge, n) = edge(rows, d, end);
             let place = |s: f64| {
                 let mut at = [s; 2];
                 at[d] = end as f64;
@@ -293,6 +283,7 @@ impl<const K: usize> PatchSet<K> {
 
     /// Minimum of a strictly convex box.
     #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "the box, its thresholds and where to start")]
     fn minimize(
         &self,
         rows: &[Row<K>],
@@ -329,7 +320,7 @@ impl<const K: usize> PatchSet<K> {
                 [false, true] => [0.0, -g[1] / h[2]],
                 [false, false] => [0.0; 2],
             };
-            let next = [0, 1].map(|d| (at[d] + step[d]).max(0.0).min(1.0));
+            let next = [0, 1].map(|d| (at[d] + step[d]).clamp(0.0, 1.0));
             let moved = (next[0] - at[0]).abs().max((next[1] - at[1]).abs());
             if moved < 1e-9 && settled {
                 if value <= levels.tie {
@@ -348,7 +339,7 @@ impl<const K: usize> PatchSet<K> {
 
     /// The rows of both halves of a box, one after the other.
     #[inline(always)]
-    fn halve(&self, rows: &[Row<K>], direction: usize, out: &mut [Row<K>]) {
+    pub(crate) fn halve(&self, rows: &[Row<K>], direction: usize, out: &mut [Row<K>]) {
         let m = rows.len();
         let (low, high) = out.split_at_mut(m);
         if direction == 0 {

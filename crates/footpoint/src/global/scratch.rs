@@ -26,7 +26,7 @@ impl Region {
     /// The box parameters nearest to a place of the patch.
     #[inline(always)]
     pub(crate) fn local(&self, place: [f64; 2]) -> [f64; 2] {
-        [0, 1].map(|d| ((place[d] - self.low[d]) / (self.high[d] - self.low[d])).max(0.0).min(1.0))
+        [0, 1].map(|d| ((place[d] - self.low[d]) / (self.high[d] - self.low[d])).clamp(0.0, 1.0))
     }
 
     /// Whether the lower or upper side in direction `d` is a side of the patch.

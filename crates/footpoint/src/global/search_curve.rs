@@ -35,7 +35,7 @@ impl CurveFoot {
 /// Buffers of one search at a time.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct CurveScratch<const K: usize> {
-    visits: Vec<Visit>,
+    pub(crate) visits: Vec<Visit>,
     candidates: Vec<(usize, f64)>,
     segments: Vec<Segment<K>>,
     /// Places that may be as near as the footpoint.
@@ -81,7 +81,7 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
             if !step.is_finite() {
                 break;
             }
-            let (next, target) = self.walk(index, at, step.max(-1.5).min(1.5));
+            let (next, target) = self.walk(index, at, step.clamp(-1.5, 1.5));
             let stays = next == index && target == at;
             if step.abs() < LAST_STEP || stays || steps >= max_steps {
                 let distance_sq = self.distance_sq(x, next, target);
@@ -91,7 +91,7 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
                 best.settled = step.abs() < LAST_STEP || stays;
                 break;
             }
-            taken = step.max(-1.5).min(1.5);
+            taken = step.clamp(-1.5, 1.5);
             (index, at) = (next, target);
         }
         best.steps = steps;
@@ -113,7 +113,7 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
             to = if end == 0 { 1.0 - scaled } else { scaled };
             index = other;
         }
-        (index, to.max(0.0).min(1.0))
+        (index, to.clamp(0.0, 1.0))
     }
 
     /// The nearest point, and the squared distance below which the curves have none (0 when not asked for).

@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use nurbs_core::SurfaceJet;
 
 /// Local parameters this close to a border are on it.
-const ON_BORDER: f64 = 1e-12;
+pub(super) const ON_BORDER: f64 = 1e-12;
 /// Share of the size of the model within which points are the same.
 pub(super) const SAME_POINT: f64 = 1e-7;
 /// Cosine of the angle between the connecting line and a tangent that still counts as a right angle.
@@ -148,7 +148,7 @@ impl<const K: usize> PatchSet<K> {
     }
 
     /// Walks a little along the flattest direction: where the distance stays, the footpoint is one of many.
-    fn continues(&self, x: &Vector3<f64>, foot: &Foot, out: &SurfaceFootpoint, gap: &Gap) -> bool {
+    pub(super) fn continues(&self, x: &Vector3<f64>, foot: &Foot, out: &SurfaceFootpoint, gap: &Gap) -> bool {
         let patch = &self.patches[foot.patch];
         let jet = self.jet(patch, foot.local[0], foot.local[1]);
         let r = jet.point - (x - patch.centre);
@@ -173,7 +173,7 @@ impl<const K: usize> PatchSet<K> {
             }
             Location::Interior | Location::Seam => flattest(&metric, &hessian),
         };
-        if !(ratio.abs() <= FLAT) {
+        if ratio.is_nan() || ratio.abs() > FLAT {
             return false;
         }
         [1.0, -1.0].into_iter().any(|sign| {
@@ -217,7 +217,7 @@ fn outward([s, t]: [f64; 2], jet: &SurfaceJet) -> Vector3<f64> {
 }
 
 /// Smallest eigenvalue of the Hessian with respect to the metric, `1 − d κ`, and its unit direction.
-fn flattest(g: &[f64; 3], h: &[f64; 3]) -> (f64, [f64; 2]) {
+pub(super) fn flattest(g: &[f64; 3], h: &[f64; 3]) -> (f64, [f64; 2]) {
     // Roots of det(H − λ G).
     let a = g[0] * g[2] - g[1] * g[1];
     let b = h[0] * g[2] + h[2] * g[0] - 2.0 * h[1] * g[1];

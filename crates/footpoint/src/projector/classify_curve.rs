@@ -57,24 +57,8 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
         if out.distance <= gap.absolute {
             return Multiplicity::Unique;
         }
-        let piece = &self.pieces[foot.piece];
-        let jet = self.jet(piece, foot.local);
-        let r = jet.point - (x - piece.centre);
-        let speed_sq = jet.d1.norm_squared();
-        let ratio = (speed_sq + jet.d2.dot(&r)) / speed_sq;
-        if out.location != Location::Edge && ratio.abs() <= FLAT {
-            // Walk a little: on a circle about the query the distance stays.
-            let reach = 1e-3 * self.size / speed_sq.sqrt();
-            let continues = [reach, -reach].into_iter().any(|step| {
-                let (index, local) = self.walk(foot.piece, foot.local, step.clamp(-1.0, 1.0));
-                let there = self.descend(x, index, local, 30);
-                let other = &self.pieces[there.piece];
-                let moved = (self.jet(other, there.local).point + other.centre - out.point).norm();
-                gap.is_tie(there.distance_sq, out.distance) && moved > 1e-4 * self.size
-            });
-            if continues {
-                return Multiplicity::Continuum;
-            }
+        if self.continues(x, foot, out, gap) {
+            return Multiplicity::Continuum;
         }
         let apart = (SAME_POINT * self.size).max(1e-6 * out.distance);
         let tied = scratch.ties.drain(..).any(|(index, local)| {
@@ -84,5 +68,32 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
             gap.is_tie(other.distance_sq, out.distance) && (point - out.point).norm() > apart
         });
         if tied { Multiplicity::Tied } else { Multiplicity::Unique }
+    }
+
+    /// Walks a little both ways: where the distance stays, the footpoint is one of many.
+    pub(super) fn continues(
+        &self,
+        x: &SVector<f64, D>,
+        foot: &CurveFoot,
+        out: &CurveFootpoint<D>,
+        gap: &Gap,
+    ) -> bool {
+        let piece = &self.pieces[foot.piece];
+        let jet = self.jet(piece, foot.local);
+        let r = jet.point - (x - piece.centre);
+        let speed_sq = jet.d1.norm_squared();
+        let ratio = (speed_sq + jet.d2.dot(&r)) / speed_sq;
+        if out.location == Location::Edge || ratio.is_nan() || ratio.abs() > FLAT {
+            return false;
+        }
+        // Walk a little: on a circle about the query the distance stays.
+        let reach = 1e-3 * self.size / speed_sq.sqrt();
+        [reach, -reach].into_iter().any(|step| {
+            let (index, local) = self.walk(foot.piece, foot.local, step.clamp(-1.0, 1.0));
+            let there = self.descend(x, index, local, 30);
+            let other = &self.pieces[there.piece];
+            let moved = (self.jet(other, there.local).point + other.centre - out.point).norm();
+            gap.is_tie(there.distance_sq, out.distance) && moved > 1e-4 * self.size
+        })
     }
 }

@@ -1,6 +1,7 @@
 //! Projection onto one or several B-spline curves.
 
 use super::Progress;
+use super::all_feet::{self, CurveFeet};
 use super::batch::{self, Batch};
 use crate::global::gap::Gap;
 use crate::global::piece::PieceSet;
@@ -130,6 +131,24 @@ impl<const D: usize> CurveProjector<D> {
         progress: Progress<'_>,
     ) -> Vec<CurveFootpoint<D>> {
         with_set!(&self.set, set => batch::run(&CurveQuery::new(set, options), points, progress))
+    }
+
+    /// All local minima of the distance that are at most `factor` (at least 1) times as far as the nearest point.
+    ///
+    /// A foot is a point without nearer ones around it on its curve: inside, on the boundary, on an inner
+    /// kink. Saddles and maxima of the distance are left out. With the factor 1 the feet are the exact ties, up to
+    /// [`tie_tolerance`](ProjectionOptions::tie_tolerance). The search is certified whatever the mode in the options,
+    /// and examines [`max_boxes`](ProjectionOptions::max_boxes) boxes at most, plus 64 for each piece within reach.
+    ///
+    /// # Errors
+    /// [`Error::NonFinitePoint`]; [`Error::Option`] when `factor` is not finite or below 1, or an option is invalid.
+    pub fn feet_within(
+        &self,
+        x: &SVector<f64, D>,
+        factor: f64,
+        options: &ProjectionOptions,
+    ) -> Result<CurveFeet<D>, Error> {
+        with_set!(&self.set, set => all_feet::curve_feet(set, x, factor, options))
     }
 
     /// The parameter of a point that lies on the model.

@@ -1,13 +1,16 @@
 //! Projectors: shapes prepared once, for any number of queries.
 
+mod all_feet;
 mod batch;
 mod classify;
 mod classify_curve;
 mod curve;
+mod local_minimum;
 pub(crate) mod pool;
 mod surface;
 mod update;
 
+pub use all_feet::{CurveFeet, SurfaceFeet};
 pub use curve::CurveProjector;
 pub use surface::SurfaceProjector;
 

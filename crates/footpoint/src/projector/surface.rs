@@ -1,6 +1,7 @@
 //! Projection onto one or several B-spline surfaces.
 
 use super::Progress;
+use super::all_feet::{self, SurfaceFeet};
 use super::batch::{self, Batch};
 use crate::global::descend::Foot;
 use crate::global::dispatch::vectorized;
@@ -146,6 +147,24 @@ impl SurfaceProjector {
         with_set!(&self.set, set => batch::run(&SurfaceQuery::new(set, options), points, progress))
     }
 
+    /// All local minima of the distance that are at most `factor` (at least 1) times as far as the nearest point.
+    ///
+    /// A foot is a point without nearer ones around it on its surface: inside, on the boundary, on an inner
+    /// kink, at a pole. Saddles and maxima of the distance are left out. With the factor 1 the feet are the exact ties, up to
+    /// [`tie_tolerance`](ProjectionOptions::tie_tolerance). The search is certified whatever the mode in the options,
+    /// and examines [`max_boxes`](ProjectionOptions::max_boxes) boxes at most, plus 64 for each piece within reach.
+    ///
+    /// # Errors
+    /// [`Error::NonFinitePoint`]; [`Error::Option`] when `factor` is not finite or below 1, or an option is invalid.
+    pub fn feet_within(
+        &self,
+        x: &Vector3<f64>,
+        factor: f64,
+        options: &ProjectionOptions,
+    ) -> Result<SurfaceFeet, Error> {
+        with_set!(&self.set, set => all_feet::surface_feet(set, x, factor, options))
+    }
+
     /// The parameters of a point that lies on the model.
     ///
     /// # Errors
@@ -197,11 +216,11 @@ impl<const K: usize> Batch<3> for SurfaceQuery<'_, K> {
         scratch: &mut Scratch<K>,
     ) -> SurfaceFootpoint {
         let start = hint.map(|foot| self.set.descend(x, foot.patch, foot.local, 12));
-        if self.mode == Mode::Local {
-            if let Some(foot) = start {
-                *hint = Some(foot);
-                return self.set.finish(x, &foot);
-            }
+        if self.mode == Mode::Local
+            && let Some(foot) = start
+        {
+            *hint = Some(foot);
+            return self.set.finish(x, &foot);
         }
         let certify = self.mode == Mode::Certified;
         let found = self.set.search(x, start, certify, &self.gap, scratch);

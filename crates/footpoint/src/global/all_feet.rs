@@ -1,0 +1,278 @@
+//! All local minima of the distance from a set of patches.
+//!
+//! Branch and bound on the squared distance `F = A / W` (see [`all_feet_line`](super::all_feet_line) for what
+//! coefficients of `G = A − c W` tell about it). A box of the parameter domain
+//! - is dropped when `F` is above the limit on all of it;
+//! - holds no minimum, but on a border of the patch, where `F` is monotone in a parameter, or `G` is concave in a
+//!   parameter, or the Hessian of `G` is indefinite, everywhere;
+//! - holds at most one minimum where `G` is strictly convex: a stationary point `p` of `F` is the only minimum of
+//!   `G` at its own level, so that `F > F(p)` elsewhere;
+//! - is as good as a point when it is small;
+//! - is left as flat when the distance does not change;
+//! - and is halved otherwise.
+
+use super::all_feet_line::{Harvest, Level, Line, Range, Spot};
+use super::box_tests::{Bends, argmin, bends, edge, largest, sag_direction};
+use super::descend::Foot;
+use super::dispatch::vectorized;
+use super::gap::Gap;
+use super::lanes::{Row, add_scaled, zero_row};
+use super::patch::{PatchSet, bounds, extent};
+use super::scratch::Region;
+use super::tree::{Bounds, Content, Visit};
+use nalgebra::Vector3;
+
+/// Halvings, in both directions together, after which a box is left as it is.
+const MAX_DEPTH: u32 = 90;
+
+/// Halvings before which a box is not small.
+const MIN_DEPTH: u32 = 8;
+
+/// How far from a box, in parameters of the patch, a minimum may be found to be the one of the box.
+const BESIDE: f64 = 1e-9;
+
+/// A box with the coefficients of `A` and, unless constant, `W`.
+struct Block<const K: usize> {
+    region: Region,
+    squared: Vec<Row<K>>,
+    weight: Option<Vec<Row<K>>>,
+}
+
+/// One query on one patch.
+struct Query<'a> {
+    x: &'a Vector3<f64>,
+    index: usize,
+    level: Level,
+    apart: f64,
+}
+
+/// Where the minima of a box may be.
+enum Verdict {
+    /// Not inside; at the sides marked by `[direction][end]` if these are borders of the patch.
+    Sides([[bool; 2]; 2]),
+    /// At most one inside.
+    One,
+    Unknown,
+}
+
+impl<const K: usize> PatchSet<K> {
+    /// Candidates for all local minima whose squared distance is at most `limit_sq`; parts of the surface smaller
+    /// than `apart` count as points.
+    pub(crate) fn minima(&self, x: &Vector3<f64>, limit_sq: f64, gap: &Gap, apart: f64) -> Harvest<Foot, 3> {
+        let mut harvest = Harvest::new(gap.max_boxes);
+        let mut visits = vec![Visit::root()];
+        let corner = [x.x, x.y, x.z];
+        while let Some(visit) = visits.pop() {
+            match visit.content() {
+                Content::Node(node) => self.tree.expand(node, &corner, limit_sq, &mut visits),
+                Content::Item(index) => {
+                    harvest.enter_piece();
+                    vectorized(
+                        #[inline(always)]
+                        || self.patch_minima(x, index, limit_sq, gap, apart, &mut harvest),
+                    );
+                }
+            }
+        }
+        harvest
+    }
+
+    #[inline(always)]
+    fn patch_minima(
+        &self,
+        x: &Vector3<f64>,
+        index: usize,
+        limit_sq: f64,
+        gap: &Gap,
+        apart: f64,
+        harvest: &mut Harvest<Foot, 3>,
+    ) {
+        let patch = &self.patches[index];
+        let y = x - patch.centre;
+        let mut squared = vec![zero_row(); patch.rows()];
+        self.form(patch, &y, 0.0, &mut squared);
+        let scale = largest(&squared) + y.norm_squared() * patch.max_weight_sq;
+        let level = Level::new(limit_sq, scale, [patch.min_weight_sq, patch.max_weight_sq], gap.tie);
+        let query = Query { x, index, level, apart };
+        let weight = self.weight_form(patch).map(<[_]>::to_vec);
+        let mut stack = vec![Block { region: Region::UNIT, squared, weight }];
+        while let Some(block) = stack.pop() {
+            if !harvest.enter_box() {
+                return;
+            }
+            let weights = block.weight.as_deref().map(coefficients);
+            let Some(range) = level.range(coefficients(&block.squared), weights) else { continue };
+            let region = &block.region;
+            match judge(&block, &range, &level) {
+                Verdict::Sides(sides) => {
+                    for (d, ends) in sides.into_iter().enumerate() {
+                        for (end, wanted) in ends.into_iter().enumerate() {
+                            if wanted && region.at_border(d, end) {
+                                self.edge_minima(&query, &block, d, end, harvest);
+                            }
+                        }
+                    }
+                    continue;
+                }
+                Verdict::One => {
+                    // An iteration that leads elsewhere does not tell whether there is one in the box.
+                    let foot = self.descend(x, index, region.place(argmin(&block.squared)), 50);
+                    if foot.patch == index && foot.settled && holds(region, foot.local) {
+                        harvest.feet.push(foot);
+                        continue;
+                    }
+                }
+                Verdict::Unknown => {}
+            }
+            let centre = region.place([0.5; 2]);
+            if region.depth >= MIN_DEPTH && extent(&[self.region_bounds(index, region)]) <= apart {
+                harvest.feet.push(self.descend(x, index, centre, 50));
+            } else if range.flat {
+                let foot = self.descend(x, index, centre, 50);
+                harvest.flats.push((foot, self.region_bounds(index, region)));
+            } else if region.depth >= MAX_DEPTH {
+                harvest.unresolved = true;
+            } else {
+                stack.extend(self.halves(&block, &range));
+            }
+        }
+    }
+
+    /// Both halves of a box.
+    #[inline(always)]
+    fn halves(&self, block: &Block<K>, range: &Range) -> [Block<K>; 2] {
+        let direction = match &block.weight {
+            None => sag_direction(&block.squared),
+            Some(weight) => sag_direction(&at_level(&block.squared, weight, range.levels[0])),
+        };
+        let halve = |rows: &Vec<Row<K>>| {
+            let mut low = vec![zero_row(); 2 * rows.len()];
+            self.halve(rows, direction, &mut low);
+            let high = low.split_off(rows.len());
+            (low, high)
+        };
+        let [low, high] = block.region.split(direction, 0.5);
+        let (squared_low, squared_high) = halve(&block.squared);
+        let (weight_low, weight_high) = block.weight.as_ref().map(halve).unzip();
+        [
+            Block { region: high, squared: squared_high, weight: weight_high },
+            Block { region: low, squared: squared_low, weight: weight_low },
+        ]
+    }
+
+    /// The minima along the part of a border of the patch that bounds a box.
+    fn edge_minima(
+        &self,
+        query: &Query<'_>,
+        block: &Block<K>,
+        d: usize,
+        end: usize,
+        harvest: &mut Harvest<Foot, 3>,
+    ) {
+        let (region, &Query { x, index, ref level, apart }) = (&block.region, query);
+        let (squared, degree) = edge(&block.squared, d, end);
+        let weight = block.weight.as_ref().map(|rows| edge(rows, d, end).0);
+        let ends = [0, 1].map(|other| region.at_border(1 - d, other));
+        let line = Line { squared: &squared, weight: weight.as_ref(), degree, ends };
+        let part = |[a, b]: [f64; 2]| {
+            let (mut low, mut high) = ([a; 2], [b; 2]);
+            (low[d], high[d]) = (end as f64, end as f64);
+            Region { low: region.place(low), high: region.place(high), ..*region }
+        };
+        let is_small = |range| extent(&[self.region_bounds(index, &part(range))]) <= apart;
+        for spot in line.minima(level, &is_small, &mut || harvest.enter_box()) {
+            match spot {
+                Spot::Minimum(s) => {
+                    harvest.feet.push(self.descend(x, index, part([s; 2]).low, 50));
+                }
+                Spot::Flat(range) => {
+                    let part = part(range);
+                    let foot = self.descend(x, index, part.place([0.5; 2]), 50);
+                    harvest.flats.push((foot, self.region_bounds(index, &part)));
+                }
+                Spot::Unresolved => harvest.unresolved = true,
+            }
+        }
+    }
+
+    /// Box around points sampled on a part of a patch.
+    fn region_bounds(&self, index: usize, region: &Region) -> Bounds<3> {
+        let patch = &self.patches[index];
+        let mut points = [Vector3::zeros(); 25];
+        for (k, point) in points.iter_mut().enumerate() {
+            let [s, t] = region.place([(k / 5) as f64 / 4.0, (k % 5) as f64 / 4.0]);
+            *point = self.point(patch, s, t) + patch.centre;
+        }
+        bounds(&points)
+    }
+}
+
+/// Whether a place of the patch lies in a box.
+fn holds(region: &Region, place: [f64; 2]) -> bool {
+    (0..2).all(|d| place[d] >= region.low[d] - BESIDE && place[d] <= region.high[d] + BESIDE)
+}
+
+fn coefficients<const K: usize>(rows: &[Row<K>]) -> impl Iterator<Item = f64> {
+    rows.iter().flatten().flat_map(|lanes| lanes.0)
+}
+
+/// `A − c W`.
+#[inline(always)]
+fn at_level<const K: usize>(squared: &[Row<K>], weight: &[Row<K>], c: f64) -> Vec<Row<K>> {
+    let mut rows = squared.to_vec();
+    for (row, weight) in rows.iter_mut().zip(weight) {
+        add_scaled(row, weight, -c);
+    }
+    rows
+}
+
+#[inline(always)]
+fn judge<const K: usize>(block: &Block<K>, range: &Range, level: &Level) -> Verdict {
+    let b = match &block.weight {
+        None => bends(&block.squared),
+        Some(weight) => {
+            let [low, high] = range.levels.map(|c| bends(&at_level(&block.squared, weight, c)));
+            let hull = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].max(b[1])];
+            Bends {
+                du: hull(low.du, high.du),
+                dv: hull(low.dv, high.dv),
+                duu: hull(low.duu, high.duu),
+                dvv: hull(low.dvv, high.dvv),
+                duv: hull(low.duv, high.duv),
+            }
+        }
+    };
+    let slack = level.slack();
+    for (d, slope) in [b.du, b.dv].into_iter().enumerate() {
+        let (rising, falling) = (slope[0] > slack, slope[1] < -slack);
+        if rising || falling {
+            let mut sides = [[false; 2]; 2];
+            sides[d] = [rising, falling];
+            return Verdict::Sides(sides);
+        }
+    }
+    for (d, bend) in [b.duu, b.dvv].into_iter().enumerate() {
+        if bend[1] < -slack {
+            let mut sides = [[false; 2]; 2];
+            sides[d] = [true; 2];
+            return Verdict::Sides(sides);
+        }
+    }
+    let (m, n) = (block.squared.len() as f64 - 1.0, PatchSet::<K>::DEGREE as f64);
+    let [uu, vv, uv] = [(b.duu, m * (m - 1.0)), (b.dvv, n * (n - 1.0)), (b.duv, m * n)]
+        .map(|(r, factor)| [(r[0] - slack) * factor, (r[1] + slack) * factor]);
+    let (least, most) = if uv[0] > 0.0 {
+        (uv[0], uv[1])
+    } else if uv[1] < 0.0 {
+        (-uv[1], -uv[0])
+    } else {
+        (0.0, uv[1].max(-uv[0]))
+    };
+    if uu[1].max(0.0) * vv[1].max(0.0) < least * least {
+        return Verdict::Sides([[true; 2]; 2]);
+    }
+    if uu[0] > 0.0 && vv[0] > 0.0 && uu[0] * vv[0] > most * most {
+        return Verdict::One;
+    }
+    Verdict::Unknown
+}
