@@ -9,6 +9,7 @@ use nurbs_core::{
     Torus,
 };
 use projector_support::answer::{Answer, Judge};
+use projector_support::config;
 use projector_support::random::frame;
 use proptest::prelude::*;
 
@@ -62,7 +63,7 @@ fn queries() -> impl Strategy<Value = Vec<Query>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(config(64))]
 
     #[test]
     fn distances_of_surfaces(surface in surface(), queries in queries()) {
