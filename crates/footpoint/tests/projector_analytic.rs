@@ -9,12 +9,13 @@ use nurbs_core::{
     Torus,
 };
 use projector_support::answer::{Answer, Judge};
+use projector_support::config;
 use projector_support::random::frame;
 use proptest::prelude::*;
 
 /// A sphere, cylinder, cone (with an apex, or without) or torus of sizes 0.3 to 6, anywhere.
 fn surface() -> impl Strategy<Value = AnalyticSurface> {
-    (frame(), 0_usize..5, 0.3..3.0, 0.1..0.9).prop_map(|(frame, kind, radius, share)| match kind {
+    (frame(), 0_usize..5, 0.3..3.0, 0.1..0.9_f64).prop_map(|(frame, kind, radius, share)| match kind {
         0 => AnalyticSurface::Sphere(Sphere::new(frame, radius).unwrap()),
         1 => {
             let heights = Interval::new(-share, 2.0 * radius).unwrap();
@@ -62,7 +63,7 @@ fn queries() -> impl Strategy<Value = Vec<Query>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(config(64))]
 
     #[test]
     fn distances_of_surfaces(surface in surface(), queries in queries()) {

@@ -8,6 +8,7 @@ use footpoint::{
 };
 use nalgebra::{SVector, Vector2, Vector3};
 use nurbs_core::{Frame, ParametricCurve, ParametricSurface, Torus};
+use projector_support::config;
 use projector_support::random::regular_surface;
 use projector_support::shapes::{parabola, plane_curve, query, rectangle, surface};
 use proptest::prelude::*;
@@ -70,7 +71,7 @@ fn check_surface(
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(16))]
+    #![proptest_config(config(16))]
 
     #[test]
     fn batches_of_surfaces(surface in surface(), points in prop::collection::vec(query::<3>(), 1..40)) {

@@ -126,7 +126,7 @@ fn equal_control_points_at_a_corner() {
 
 #[test]
 fn huge_and_tiny_shapes() {
-    for scale in [1e-150, 1e-12, 1e-6, 1e6, 1e12, 1e100] {
+    for scale in [1e-50, 1e-12, 1e-6, 1e6, 1e12, 1e50] {
         let size = |surface: BsplineSurface| surface.scaled(scale, &Vector3::zeros()).unwrap();
         let flat = size(rectangle(2.0, 1.0, 0.0));
         check_surface(&flat, &(v(0.5, 0.5, 3.0) * scale), 3.0 * scale);

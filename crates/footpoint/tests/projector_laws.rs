@@ -6,6 +6,7 @@ use footpoint::{CurveProjector, Mode, ProjectionOptions, SurfaceProjector};
 use nalgebra::{Isometry3, Rotation3, SVector, Translation3, UnitQuaternion, Vector3};
 use nurbs_core::{BsplineCurve, BsplineSurface, Direction, Interval, ParametricCurve, ParametricSurface};
 use projector_support::answer::Judge;
+use projector_support::config;
 use projector_support::shapes::{plane_curve, query, space_curve, surface};
 use proptest::prelude::*;
 
@@ -44,7 +45,7 @@ fn points<const D: usize>(count: usize) -> impl Strategy<Value = Vec<SVector<f64
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(config(64))]
 
     #[test]
     fn motions_of_surfaces(surface in surface(), motion in motion(), points in points::<3>(6)) {

@@ -6,6 +6,7 @@ use footpoint::{CurveProjector, Multiplicity, SurfaceProjector};
 use nalgebra::{SVector, Vector3};
 use nurbs_core::{BsplineCurve, BsplineSurface};
 use projector_support::answer::{Answer, Judge};
+use projector_support::config;
 use projector_support::oracle::{curve_distance, surface_distance};
 use projector_support::shapes::{plane_curve, query, space_curve, surface};
 use proptest::prelude::*;
@@ -61,7 +62,7 @@ fn check_curves<const D: usize>(
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(config(64))]
 
     #[test]
     fn one_surface(surface in surface(), points in prop::collection::vec(query::<3>(), 6)) {

@@ -14,6 +14,8 @@ pub(super) const ON_BORDER: f64 = 1e-12;
 pub(super) const SAME_POINT: f64 = 1e-7;
 /// Cosine of the angle between the connecting line and a tangent that still counts as a right angle.
 pub(super) const ORTHOGONAL: f64 = 1e-6;
+/// Speed, as a share of the size of the model, below which a parameter does not move the point.
+pub(super) const STANDSTILL: f64 = 1e-9;
 /// `1 − d κ` below this asks whether the footpoint is one of a continuum.
 pub(super) const FLAT: f64 = 1e-4;
 
@@ -82,7 +84,9 @@ impl<const K: usize> PatchSet<K> {
         (0..2).all(|d| {
             let tangent = if d == 0 { &jet.du } else { &jet.dv };
             let (slope, speed) = (tangent.dot(r), tangent.norm());
-            let small = slope.abs() <= speed * (ORTHOGONAL * distance).max(1e-11 * self.size);
+            // At a pole or cusp the parameterisation stands still: its direction is that of rounding errors.
+            let still = speed <= STANDSTILL * self.size;
+            let small = still || slope.abs() <= speed * (ORTHOGONAL * distance).max(1e-11 * self.size);
             let blocked = (local[d] <= 0.0 && slope > 0.0) || (local[d] >= 1.0 && slope < 0.0);
             // Inside the model a border of a patch blocks only where the surface has a kink.
             let end = usize::from(local[d] >= 1.0);

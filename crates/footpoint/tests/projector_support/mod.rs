@@ -9,3 +9,8 @@ pub(crate) mod shapes;
 /// Random knots, curves, surfaces and frames, as the tests of the kernel use them.
 #[path = "../../../nurbs-core/tests/random/mod.rs"]
 pub(crate) mod random;
+
+/// So many cases; failures are printed, not stored in files beside the tests.
+pub(crate) fn config(cases: u32) -> proptest::test_runner::Config {
+    proptest::test_runner::Config { cases, failure_persistence: None, ..Default::default() }
+}

@@ -1,7 +1,7 @@
 //! Brute force: dense samples, then a pattern search around the best of them.
 
 use nalgebra::{SVector, Vector3};
-use nurbs_core::{BsplineCurve, BsplineSurface, ParametricCurve, ParametricSurface};
+use nurbs_core::{BsplineCurve, BsplineSurface, KnotVector, ParametricCurve, ParametricSurface};
 
 /// Samples refined per shape.
 const SEEDS: usize = 6;
@@ -11,21 +11,22 @@ const HALVINGS: usize = 26;
 /// Distance from a curve, at least the true one.
 pub(crate) fn curve_distance<const D: usize>(curve: &BsplineCurve<D>, x: &SVector<f64, D>) -> f64 {
     let value = |[t, _]: [f64; 2]| (curve.point(t) - x).norm();
-    minimize(value, &[dense(&curve.knots().breaks(), 40), vec![0.0]])
+    minimize(value, &[dense(curve.knots(), 40), vec![0.0]])
 }
 
 /// Distance from a surface, at least the true one.
 pub(crate) fn surface_distance(surface: &BsplineSurface, x: &Vector3<f64>) -> f64 {
     let value = |[u, v]: [f64; 2]| (surface.point(u, v) - x).norm();
-    minimize(value, &[dense(&surface.knots_u().breaks(), 10), dense(&surface.knots_v().breaks(), 10)])
+    minimize(value, &[dense(surface.knots_u(), 10), dense(surface.knots_v(), 10)])
 }
 
 /// Parameters that divide every span into `n` parts.
-fn dense(breaks: &[f64], n: usize) -> Vec<f64> {
-    let mut out = vec![breaks[0]];
-    for span in breaks.windows(2) {
-        out.extend((1..n).map(|k| span[0] + (span[1] - span[0]) * k as f64 / n as f64));
-        out.push(span[1]);
+fn dense(knots: &KnotVector, n: usize) -> Vec<f64> {
+    let mut out = vec![knots.domain().start()];
+    for span in knots.spans() {
+        let span = knots.span_interval(span);
+        out.extend((1..n).map(|k| span.lerp(k as f64 / n as f64)));
+        out.push(span.end());
     }
     out
 }
