@@ -151,7 +151,8 @@ fn run<const D: usize>(
                     }
                     seconds[m] += time;
                     seconds[2] += 0.5 * found.warm;
-                    let bad = !found.consistent || !(found.distance <= truth[2] * (1.0 + 1e-6) + 1e-9 * size);
+                    let allowed = truth[2] * (1.0 + 1e-6) + 1e-9 * size;
+                    let bad = !found.consistent || found.distance.is_nan() || found.distance > allowed;
                     if m == 1 {
                         fast_wrong += usize::from(bad);
                         continue;

@@ -1,5 +1,7 @@
 //! Spheres, cylinders, cones, tori and circles as NURBS: distances have a closed form.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests may panic")]
+
 mod projector_support;
 
 use footpoint::{CurveProjector, SurfaceProjector};

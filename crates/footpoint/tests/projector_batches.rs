@@ -1,5 +1,7 @@
 //! Many points at once, threads, cancelling, inversion, and input that is not a point.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests may panic")]
+
 mod projector_support;
 
 use footpoint::{

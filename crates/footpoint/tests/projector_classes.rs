@@ -1,5 +1,7 @@
 //! Where footpoints lie, whether they are the only ones, and on which side the query is.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests may panic")]
+
 mod projector_support;
 
 use footpoint::Location::{Corner, Edge, Interior, Pole, Seam};

@@ -1,5 +1,7 @@
 //! Shapes with nothing to hold on to, and of extreme sizes: finite answers, no panic.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests may panic")]
+
 mod projector_support;
 
 use footpoint::{CurveProjector, Mode, ProjectionOptions, SurfaceProjector};

@@ -1,5 +1,7 @@
 //! Distances that are known to be right: the cases of `fixtures/footpoint-cases`, described in its README.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests may panic")]
+
 mod projector_support;
 
 use footpoint::{CurveProjector, Mode, ProjectionOptions, SurfaceProjector};

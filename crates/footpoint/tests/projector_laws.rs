@@ -1,5 +1,7 @@
 //! What must not change the answer: motions, scale, parameterisation, representation; and optimality.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests may panic")]
+
 mod projector_support;
 
 use footpoint::{CurveProjector, Mode, ProjectionOptions, SurfaceProjector};

@@ -1,5 +1,7 @@
 //! Random shapes against brute force.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests may panic")]
+
 mod projector_support;
 
 use footpoint::{CurveProjector, Multiplicity, SurfaceProjector};

@@ -124,7 +124,10 @@ fn coherent_order<const D: usize>(points: &[SVector<f64, D>]) -> Vec<u32> {
     let key = |p: &SVector<f64, D>| -> u64 {
         let mut key = 0;
         for d in 0..D {
-            #[expect(clippy::cast_possible_truncation, reason = "clamped to the range of cells; NaN becomes 0")]
+            #[expect(
+                clippy::cast_possible_truncation,
+                reason = "clamped to the range of cells; NaN becomes 0"
+            )]
             let cell = ((p[d] - low[d]) * scale).clamp(0.0, cells - 1.0) as u64;
             key |= spread(cell, D) << d;
         }

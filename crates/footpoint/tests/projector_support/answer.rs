@@ -71,11 +71,12 @@ pub(crate) trait Judge<const D: usize> {
         let largest = [bounds.min.amax(), bounds.max.amax(), x.amax()].into_iter().fold(0.0, f64::max);
         let tolerance = 1e-12 * self.size() + 64.0 * f64::EPSILON * largest;
         let off = (point - answer.point).norm();
-        if !(off <= tolerance) {
+        if off.is_nan() || off > tolerance {
             return Some(format!("the point is {off:e} away from that of the parameter"));
         }
         let off = ((point - x).norm() - answer.distance).abs();
-        (!(off <= tolerance)).then(|| format!("the distance is {off:e} off that of the parameter"))
+        (off.is_nan() || off > tolerance)
+            .then(|| format!("the distance is {off:e} off that of the parameter"))
     }
 }
 

@@ -1,5 +1,6 @@
 //! What the tests of the projectors share: one form of answer, random shapes, brute force.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "helpers of tests may panic")]
 #![allow(dead_code, reason = "each test file uses a part of it")]
 
 pub(crate) mod answer;
