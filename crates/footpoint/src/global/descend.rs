@@ -12,6 +12,15 @@ const LAST_STEP: f64 = 1e-7;
 /// size of the model.
 const LAST_SHARE: [f64; 2] = [1e-4, 1e-10];
 
+/// Speed, as a share of the size of the model, at which a parameter does not move the point: poles.
+const STANDSTILL: f64 = 1e-12;
+
+/// Curvature of the squared distance, as a share of that on a flat patch, that still tells a step length.
+pub(super) const FLATTEST: f64 = 1e-12;
+
+/// Square of the rounding error of a slope, as a share of squared speed and squared lengths: `(4 ε)²`.
+pub(super) const SLOPE_NOISE_SQ: f64 = 16.0 * f64::EPSILON * f64::EPSILON;
+
 /// A place on the model and its distance from the query.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Foot {
@@ -44,8 +53,8 @@ struct Model {
 }
 
 impl Model {
-    /// The step in the free directions; where the Hessian is not positive definite, that of the first order
-    /// iteration, lengthened as far as the curvature along it tells.
+    /// The step in the free directions; where the Hessian is not positive definite, the direction of the first
+    /// order iteration with the length that the amount of curvature along it tells, be it a hill or a valley.
     #[inline(always)]
     fn step(&self, free: [bool; 2]) -> Step {
         let [gs, gt] = self.gradient;
@@ -70,7 +79,7 @@ impl Model {
     #[inline(always)]
     fn along(&self, d: usize) -> f64 {
         let (h, g) = (self.hessian[2 * d], self.metric[2 * d]);
-        let curvature = if h > 1e-3 * g { h } else { g };
+        let curvature = if h.abs() > FLATTEST * g { h.abs() } else { g };
         if curvature > 0.0 { -self.gradient[d] / curvature } else { 0.0 }
     }
 
@@ -85,8 +94,8 @@ impl Model {
         let d = [(est * gt - ett * gs) / det, (est * gs - ess * gt) / det];
         let quadratic = |m: &[f64; 3]| m[0] * d[0] * d[0] + 2.0 * m[1] * d[0] * d[1] + m[2] * d[1] * d[1];
         let length = quadratic(&self.metric);
-        let ratio = if length > 0.0 { quadratic(&self.hessian) / length } else { 1.0 };
-        let factor = if ratio > 0.1 { 1.0 / ratio } else { 1.0 };
+        let ratio = if length > 0.0 { (quadratic(&self.hessian) / length).abs() } else { 1.0 };
+        let factor = if ratio > FLATTEST { 1.0 / ratio } else { 1.0 };
         [d[0] * factor, d[1] * factor]
     }
 }
@@ -150,13 +159,27 @@ impl<const K: usize> PatchSet<K> {
             };
             // A bound is active where the distance would decrease beyond it and there is nothing beyond.
             let mut free = [true; 2];
+            let mut level = true;
+            let size_sq = self.size * self.size;
             for d in 0..2 {
+                let speed_sq = model.metric[2 * d];
+                if speed_sq <= STANDSTILL * STANDSTILL * size_sq {
+                    free[d] = false;
+                    continue;
+                }
                 let pushes_out =
                     (at[d] <= 0.0 && model.gradient[d] > 0.0) || (at[d] >= 1.0 && model.gradient[d] < 0.0);
                 if pushes_out {
                     let end = usize::from(at[d] >= 1.0);
                     free[d] = self.cells[patch.shape].across(patch.cell, d, end).is_some();
                 }
+                let noise_sq = SLOPE_NOISE_SQ * (distance_sq + size_sq) * speed_sq;
+                level &= !free[d] || model.gradient[d] * model.gradient[d] <= noise_sq;
+            }
+            if level {
+                // Nothing but rounding errors is left of the slope.
+                best.settled = true;
+                break;
             }
             let mut step = model.step(free).delta;
             // A step that meets a bound in one direction is solved anew for the other.

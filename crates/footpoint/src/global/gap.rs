@@ -29,6 +29,12 @@ impl Gap {
         (distance_sq.sqrt() - distance).abs() <= self.tie * distance + 1e-3 * self.absolute
     }
 
+    /// The squared distance up to which other points count as equally near.
+    #[inline(always)]
+    pub(crate) fn reach_sq(&self, distance_sq: f64) -> f64 {
+        distance_sq * (1.0 + 4.0 * self.tie)
+    }
+
     /// The squared distance below which nothing may be found once the footpoint is `distance_sq` away.
     #[inline(always)]
     pub(crate) fn limit_sq(&self, distance_sq: f64) -> f64 {

@@ -36,7 +36,8 @@ pub(crate) enum LineProof {
 
 /// Decides whether a polynomial of degree `n` is nonnegative on `[0, 1]`, up to `noise`.
 ///
-/// Local minima whose value is at most `tie_level` are reported to `tie`. A parameter to which `skip` says yes
+/// Places whose values may be at most `tie_level` are reported to `tie`, with the interval in which there is no other
+/// minimum. A parameter to which `skip` says yes
 /// has been examined without finding anything better: it is not reported as below again.
 #[inline(always)]
 pub(crate) fn prove_line<const K: usize>(
@@ -45,7 +46,7 @@ pub(crate) fn prove_line<const K: usize>(
     noise: f64,
     tie_level: f64,
     stack: &mut Vec<Segment<K>>,
-    tie: &mut impl FnMut(f64),
+    tie: &mut impl FnMut(f64, [f64; 2]),
     skip: &mut impl FnMut(f64) -> bool,
 ) -> LineProof {
     stack.clear();
@@ -63,7 +64,7 @@ pub(crate) fn prove_line<const K: usize>(
         let guess = argmin as f64 / n as f64;
         if min >= -noise {
             if min <= tie_level {
-                tie(parameter(guess));
+                tie(parameter(guess), [parameter(guess); 2]);
             }
             continue;
         }
@@ -90,8 +91,8 @@ pub(crate) fn prove_line<const K: usize>(
                 return LineProof::Below(parameter(s));
             }
             if bound >= -noise || value < -noise {
-                if value <= tie_level {
-                    tie(parameter(s));
+                if bound <= tie_level {
+                    tie(parameter(s), [parameter(0.0), parameter(1.0)]);
                 }
                 continue;
             }
@@ -170,7 +171,7 @@ mod tests {
         let mut row = [0.0; WIDTH];
         row[..c.len()].copy_from_slice(c);
         let whole = Segment::unit(&[Lanes(row)]);
-        prove_line(whole, c.len() - 1, 1e-14, 0.0, &mut Vec::new(), &mut |_| (), &mut |_| false)
+        prove_line(whole, c.len() - 1, 1e-14, 0.0, &mut Vec::new(), &mut |_, _| (), &mut |_| false)
     }
 
     #[test]

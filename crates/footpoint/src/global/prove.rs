@@ -259,7 +259,7 @@ impl<const K: usize> PatchSet<K> {
             let noise = if levels.floor < 0.0 { levels.noise * 2.0 * (WIDTH * K) as f64 } else { 0.0 };
             let mut ties = [None; 4];
             let mut count = 0;
-            let mut note = |s: f64| {
+            let mut note = |s: f64, _: [f64; 2]| {
                 if count < ties.len() {
                     ties[count] = Some(s);
                     count += 1;

@@ -58,6 +58,12 @@ pub(crate) struct Candidate {
     pub(crate) sample_sq: f64,
 }
 
+impl Candidate {
+    /// Nothing known yet.
+    pub(crate) const NONE: Self =
+        Self { patch: usize::MAX, box_sq: 0.0, place: [0.0; 2], sample_sq: f64::INFINITY };
+}
+
 /// Buffers of one search at a time.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Scratch<const K: usize> {

@@ -45,12 +45,13 @@ impl<const K: usize> PatchSet<K> {
         scratch.visits.push(Visit::root());
         let query = [x.x, x.y, x.z];
         while let Some(visit) = scratch.visits.pop() {
-            if visit.distance_sq >= limit_sq {
+            let reach_sq = gap.reach_sq(best.distance_sq);
+            if visit.distance_sq > reach_sq {
                 continue;
             }
             let index = match visit.content() {
                 Content::Node(node) => {
-                    self.tree.expand(node, &query, limit_sq, &mut scratch.visits);
+                    self.tree.expand(node, &query, reach_sq, &mut scratch.visits);
                     continue;
                 }
                 Content::Item(index) => index,
@@ -79,6 +80,14 @@ impl<const K: usize> PatchSet<K> {
                 return Found { foot: best, bound_sq: 0.0 };
             }
         }
+        if !best.settled && best.patch != usize::MAX {
+            // A start that needed more steps than a start is given.
+            self.improve(
+                x,
+                &Candidate { patch: best.patch, place: best.local, ..Candidate::NONE },
+                &mut best,
+            );
+        }
         if !prove {
             self.second_seeds(x, &mut best, scratch);
             self.settle(x, &mut best);
@@ -102,7 +111,7 @@ impl<const K: usize> PatchSet<K> {
     fn improve(&self, x: &Vector3<f64>, candidate: &Candidate, best: &mut Foot) {
         let found = self.descend(x, candidate.patch, candidate.place, MAX_STEPS);
         let steps = best.steps + found.steps;
-        if found.distance_sq < best.distance_sq {
+        if found.distance_sq < best.distance_sq || (found.settled && found.distance_sq == best.distance_sq) {
             *best = found;
         }
         best.steps = steps;

@@ -1,5 +1,6 @@
 //! Best-first search for the nearest point of a set of curve pieces, and its certificate.
 
+use super::descend::{FLATTEST, SLOPE_NOISE_SQ};
 use super::dispatch::vectorized;
 use super::gap::Gap;
 use super::lanes::{Row, WIDTH, row_max, row_min};
@@ -75,8 +76,13 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
             shrink = 1.0;
             let (slope, speed_sq) = (jet.d1.dot(&r), jet.d1.norm_squared());
             let bend = speed_sq + jet.d2.dot(&r);
-            let curvature = if bend > 1e-3 * speed_sq { bend } else { speed_sq };
-            // At a cusp there is no first order: a small push along the second derivative.
+            let noise_sq = SLOPE_NOISE_SQ * (distance_sq + self.size * self.size) * speed_sq;
+            if slope * slope <= noise_sq {
+                // Nothing but rounding errors is left of the slope.
+                best.settled = true;
+                break;
+            }
+            let curvature = if bend.abs() > FLATTEST * speed_sq { bend.abs() } else { speed_sq };
             let step = if curvature > 0.0 { -slope / curvature } else { 0.0 };
             if !step.is_finite() {
                 break;
@@ -134,12 +140,13 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
         scratch.visits.push(Visit::root());
         let query: [f64; D] = (*x).into();
         while let Some(visit) = scratch.visits.pop() {
-            if visit.distance_sq >= limit_sq {
+            let reach_sq = gap.reach_sq(best.distance_sq);
+            if visit.distance_sq > reach_sq {
                 continue;
             }
             let index = match visit.content() {
                 Content::Node(node) => {
-                    self.tree.expand(node, &query, limit_sq, &mut scratch.visits);
+                    self.tree.expand(node, &query, reach_sq, &mut scratch.visits);
                     continue;
                 }
                 Content::Item(index) => index,
@@ -169,6 +176,15 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
             if limit_sq == 0.0 {
                 return (best, 0.0);
             }
+        }
+        if !best.settled && best.piece != usize::MAX {
+            // A start that needed more steps than a start is given.
+            let found = self.descend(x, best.piece, best.local, MAX_STEPS);
+            let steps = best.steps + found.steps;
+            if found.distance_sq <= best.distance_sq {
+                best = found;
+            }
+            best.steps = steps;
         }
         if !prove {
             self.settle(x, &mut best);
@@ -225,14 +241,16 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
                 true
             };
             let ties = &mut scratch.ties;
+            let best_place = (best.piece, best.local);
             let proof = prove_line(
                 Segment::unit(&row),
                 Self::DEGREE,
                 noise,
                 tie,
                 &mut scratch.segments,
-                &mut |s| {
-                    if ties.len() < 16 {
+                &mut |s, [low, high]| {
+                    let known = index == best_place.0 && (low..=high).contains(&best_place.1);
+                    if !known && ties.len() < 16 {
                         ties.push((index, s));
                     }
                 },

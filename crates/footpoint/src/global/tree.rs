@@ -92,7 +92,7 @@ impl<const D: usize> BoxTree<D> {
         size_of_val(&self.nodes[..])
     }
 
-    /// Pushes the children of a node that are nearer than `limit_sq`, the nearest last.
+    /// Pushes the children of a node that are no further than `limit_sq`, the nearest last.
     #[inline(always)]
     pub(crate) fn expand(&self, node: usize, x: &[f64; D], limit_sq: f64, stack: &mut Vec<Visit>) {
         let node = &self.nodes[node];
@@ -106,7 +106,7 @@ impl<const D: usize> BoxTree<D> {
         let first = stack.len();
         for slot in 0..node.count {
             let distance_sq = distance.0[slot];
-            if distance_sq < limit_sq {
+            if distance_sq <= limit_sq {
                 let mut place = stack.len();
                 stack.push(Visit { distance_sq, child: node.children[slot] });
                 while place > first && stack[place - 1].distance_sq < distance_sq {

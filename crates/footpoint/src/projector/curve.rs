@@ -208,6 +208,10 @@ impl<const D: usize, const K: usize> Batch<D> for CurveQuery<'_, D, K> {
         }
         let certify = self.mode == Mode::Certified;
         let (foot, bound_sq) = self.set.search(x, start, certify, &self.gap, scratch);
+        if foot.piece == usize::MAX {
+            // Squares of the coordinates overflow.
+            return CurveFootpoint { status: Status::Diverged, ..CurveFootpoint::invalid() };
+        }
         *hint = Some(foot);
         let mut out = self.set.finish(x, &foot);
         if certify {

@@ -224,6 +224,10 @@ impl<const K: usize> Batch<3> for SurfaceQuery<'_, K> {
         }
         let certify = self.mode == Mode::Certified;
         let found = self.set.search(x, start, certify, &self.gap, scratch);
+        if found.foot.patch == usize::MAX {
+            // Squares of the coordinates overflow.
+            return SurfaceFootpoint { status: Status::Diverged, ..SurfaceFootpoint::invalid() };
+        }
         *hint = Some(found.foot);
         let mut out = self.set.finish(x, &found.foot);
         if certify {
