@@ -14,7 +14,7 @@
 //! use nalgebra::Vector3;
 //! use nurbs_core::{Frame, Sphere};
 //!
-//! let sphere = Sphere::new(Frame::new(Vector3::zeros(), Vector3::z(), Vector3::x())?, 2.0)?.to_nurbs();
+//! let sphere = Sphere::new(Frame::new(Vector3::zeros(), Vector3::z(), Vector3::x())?, 2.0)?.to_nurbs()?;
 //! let projector = SurfaceProjector::new(&sphere);
 //! let foot = projector.project(&Vector3::new(0.0, 3.0, 4.0));
 //! assert!((foot.distance - 3.0).abs() < 1e-12 && foot.lower_bound > 2.999_999);

@@ -236,19 +236,17 @@ impl<const K: usize> PatchSet<K> {
         scratch: &mut Scratch<K>,
     ) -> Option<Verdict> {
         for (d, range) in [bends.du, bends.dv].into_iter().enumerate() {
-            let rising = range[0] >= levels.floor;
-            let falling = range[1] <= -levels.floor;
+            // Strictly monotone towards another box of the same patch: that one holds the common edge too.
+            if (range[0] > 0.0 && !region.at_border(d, 0)) || (range[1] < 0.0 && !region.at_border(d, 1)) {
+                return Some(Verdict::Dropped);
+            }
+            // Monotone towards the border of the patch: what happens there decides.
+            let rising = range[0] >= levels.floor && region.at_border(d, 0);
+            let falling = range[1] <= -levels.floor && region.at_border(d, 1);
             if !rising && !falling {
                 continue;
             }
             let end = usize::from(!rising);
-            if !region.at_border(d, end) {
-                if range[0] > 0.0 || range[1] < 0.0 {
-                    // The neighbouring box of the same patch holds this edge too.
-                    return Some(Verdict::Dropped);
-                }
-                continue;
-            }
             let (edge, n) = edge(rows, d, end);
             let place = |s: f64| {
                 let mut at = [s; 2];

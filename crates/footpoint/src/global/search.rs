@@ -120,7 +120,7 @@ impl<const K: usize> PatchSet<K> {
     /// Goes on where the steps ran out: near centres of curvature the convergence is only linear.
     #[inline(always)]
     fn settle(&self, x: &Vector3<f64>, best: &mut Foot) {
-        if !best.settled {
+        if !best.settled && best.patch != usize::MAX {
             let found = self.descend(x, best.patch, best.local, PATIENT_STEPS);
             if found.distance_sq <= best.distance_sq {
                 *best = Foot { steps: best.steps + found.steps, ..found };

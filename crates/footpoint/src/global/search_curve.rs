@@ -204,7 +204,7 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
     /// Goes on where the steps ran out: near centres of curvature the convergence is only linear.
     #[inline(always)]
     fn settle(&self, x: &SVector<f64, D>, best: &mut CurveFoot) {
-        if !best.settled {
+        if !best.settled && best.piece != usize::MAX {
             let found = self.descend(x, best.piece, best.local, PATIENT_STEPS);
             if found.distance_sq <= best.distance_sq {
                 *best = CurveFoot { steps: best.steps + found.steps, ..found };
