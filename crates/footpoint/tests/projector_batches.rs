@@ -64,7 +64,8 @@ fn check_surface(
         prop_assert_eq!(bits(a), bits(b), "point {} with one and two threads", i);
         if mode == Mode::Certified {
             let alone = projector.project(&points[i]);
-            let tolerance = 1e-12 * (alone.distance + 20.0);
+            // Of two feet within the allowed gap either may be found.
+            let tolerance = 1.1e-7 * alone.distance + 1e-9;
             prop_assert!((alone.distance - a.distance).abs() <= tolerance, "{}: {:?} {:?}", i, alone, a);
             prop_assert!(a.lower_bound <= a.distance && a.status.is_converged());
         }
@@ -100,7 +101,8 @@ proptest! {
                 prop_assert_eq!(curve_bits(a), curve_bits(b));
                 if mode == Mode::Certified {
                     let alone = projector.project(&points[i]);
-                    let tolerance = 1e-12 * (alone.distance + 20.0);
+                    // Of two feet within the allowed gap either may be found.
+            let tolerance = 1.1e-7 * alone.distance + 1e-9;
                     prop_assert!((alone.distance - a.distance).abs() <= tolerance, "{:?} {:?}", alone, a);
                 }
             }

@@ -68,7 +68,8 @@ fn poles_of_a_sphere() {
         assert_eq!(foot.signed_distance > 0.0, x.norm() > 2.0, "{x:?} {foot:?}");
     });
     in_all_frames(sphere, &[v(1.0, 0.0, 0.0), v(4.0, 0.0, 1.0)], |x, foot| {
-        assert_eq!(foot.location, Seam, "{x:?} {foot:?}");
+        // Rounding may leave the foot a little beside the seam.
+        assert!(foot.location == Seam || foot.parameter[0].abs() < 1e-7, "{x:?} {foot:?}");
     });
 }
 

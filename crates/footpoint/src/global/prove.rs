@@ -236,12 +236,16 @@ impl<const K: usize> PatchSet<K> {
         scratch: &mut Scratch<K>,
     ) -> Option<Verdict> {
         for (d, range) in [bends.du, bends.dv].into_iter().enumerate() {
+            // Flat but for rounding errors, as next to a collapsed edge: one line stands for all.
+            let flat = range[0] >= -levels.noise && range[1] <= levels.noise;
             // Strictly monotone towards another box of the same patch: that one holds the common edge too.
-            if (range[0] > 0.0 && !region.at_border(d, 0)) || (range[1] < 0.0 && !region.at_border(d, 1)) {
+            if (range[0] > levels.noise && !region.at_border(d, 0))
+                || (range[1] < -levels.noise && !region.at_border(d, 1))
+            {
                 return Some(Verdict::Dropped);
             }
             // Monotone towards the border of the patch: what happens there decides.
-            let rising = range[0] >= levels.floor && region.at_border(d, 0);
+            let rising = flat || (range[0] >= levels.floor && region.at_border(d, 0));
             let falling = range[1] <= -levels.floor && region.at_border(d, 1);
             if !rising && !falling {
                 continue;

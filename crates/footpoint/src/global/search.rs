@@ -100,6 +100,9 @@ impl<const K: usize> PatchSet<K> {
             next += 1;
             if candidate.box_sq < gap.limit_sq(best.distance_sq) {
                 bound_sq = bound_sq.min(self.prove(x, candidate.patch, &mut best, gap, scratch));
+            } else if candidate.box_sq <= gap.reach_sq(best.distance_sq) {
+                // Not nearer, but perhaps as near.
+                scratch.note_tie(candidate.patch, candidate.place);
             }
         }
         self.settle(x, &mut best);

@@ -195,6 +195,10 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
             let (index, box_sq) = scratch.candidates[next];
             if box_sq < gap.limit_sq(best.distance_sq) {
                 bound_sq = bound_sq.min(self.prove(x, index, &mut best, gap, scratch));
+            } else if box_sq <= gap.reach_sq(best.distance_sq) && scratch.ties.len() < 16 {
+                // Not nearer, but perhaps as near.
+                let row = self.form(&self.pieces[index], &(x - self.pieces[index].centre), 0.0);
+                scratch.ties.push((index, argmin(&row)));
             }
         }
         self.settle(x, &mut best);
