@@ -7,6 +7,7 @@
 //!   parameter, or the Hessian of `G` is indefinite, everywhere;
 //! - holds at most one minimum where `G` is strictly convex: a stationary point `p` of `F` is the only minimum of
 //!   `G` at its own level, so that `F > F(p)` elsewhere;
+//! - holds none but a pole where the parameter lines that leave it are convex and none of them falls;
 //! - is as good as a point when it is small;
 //! - is left as flat when the distance does not change;
 //! - and is halved otherwise.
@@ -16,7 +17,7 @@ use super::box_tests::{Bends, argmin, bends, edge, largest, sag_direction};
 use super::descend::Foot;
 use super::dispatch::vectorized;
 use super::gap::Gap;
-use super::lanes::{Row, add_scaled, zero_row};
+use super::lanes::{Row, WIDTH, add_scaled, zero_row};
 use super::patch::{PatchSet, bounds, extent};
 use super::scratch::Region;
 use super::tree::{Bounds, Content, Visit};
@@ -43,7 +44,6 @@ struct Query<'a> {
     x: &'a Vector3<f64>,
     index: usize,
     level: Level,
-    apart: f64,
 }
 
 /// Where the minima of a box may be.
@@ -52,13 +52,14 @@ enum Verdict {
     Sides([[bool; 2]; 2]),
     /// At most one inside.
     One,
+    /// None but perhaps the pole, which is here in box parameters.
+    Pole([f64; 2]),
     Unknown,
 }
 
 impl<const K: usize> PatchSet<K> {
-    /// Candidates for all local minima whose squared distance is at most `limit_sq`; parts of the surface smaller
-    /// than `apart` count as points.
-    pub(crate) fn minima(&self, x: &Vector3<f64>, limit_sq: f64, gap: &Gap, apart: f64) -> Harvest<Foot, 3> {
+    /// Candidates for all local minima whose squared distance is at most `limit_sq`.
+    pub(crate) fn minima(&self, x: &Vector3<f64>, limit_sq: f64, gap: &Gap) -> Harvest<Foot, 3> {
         let mut harvest = Harvest::new(gap.max_boxes);
         let mut visits = vec![Visit::root()];
         let corner = [x.x, x.y, x.z];
@@ -69,7 +70,7 @@ impl<const K: usize> PatchSet<K> {
                     harvest.enter_piece();
                     vectorized(
                         #[inline(always)]
-                        || self.patch_minima(x, index, limit_sq, gap, apart, &mut harvest),
+                        || self.patch_minima(x, index, limit_sq, gap, &mut harvest),
                     );
                 }
             }
@@ -84,7 +85,6 @@ impl<const K: usize> PatchSet<K> {
         index: usize,
         limit_sq: f64,
         gap: &Gap,
-        apart: f64,
         harvest: &mut Harvest<Foot, 3>,
     ) {
         let patch = &self.patches[index];
@@ -92,8 +92,9 @@ impl<const K: usize> PatchSet<K> {
         let mut squared = vec![zero_row(); patch.rows()];
         self.form(patch, &y, 0.0, &mut squared);
         let scale = largest(&squared) + y.norm_squared() * patch.max_weight_sq;
-        let level = Level::new(limit_sq, scale, [patch.min_weight_sq, patch.max_weight_sq], gap.tie);
-        let query = Query { x, index, level, apart };
+        let weights = [patch.min_weight_sq, patch.max_weight_sq];
+        let level = Level::new(limit_sq, scale, weights, gap.tie, self.size);
+        let query = Query { x, index, level };
         let weight = self.weight_form(patch).map(<[_]>::to_vec);
         let mut stack = vec![Block { region: Region::UNIT, squared, weight }];
         while let Some(block) = stack.pop() {
@@ -103,7 +104,7 @@ impl<const K: usize> PatchSet<K> {
             let weights = block.weight.as_deref().map(coefficients);
             let Some(range) = level.range(coefficients(&block.squared), weights) else { continue };
             let region = &block.region;
-            match judge(&block, &range, &level) {
+            match judge(&block, &range, &level, self.poles(index, region)) {
                 Verdict::Sides(sides) => {
                     for (d, ends) in sides.into_iter().enumerate() {
                         for (end, wanted) in ends.into_iter().enumerate() {
@@ -122,20 +123,36 @@ impl<const K: usize> PatchSet<K> {
                         continue;
                     }
                 }
+                Verdict::Pole(at) => {
+                    harvest.feet.push(self.descend(x, index, region.place(at), 50));
+                    continue;
+                }
                 Verdict::Unknown => {}
             }
             let centre = region.place([0.5; 2]);
-            if region.depth >= MIN_DEPTH && extent(&[self.region_bounds(index, region)]) <= apart {
+            let bounds = self.region_bounds(index, region);
+            let extent = extent(&[bounds]);
+            if region.depth >= MIN_DEPTH && extent <= level.apart {
                 harvest.feet.push(self.descend(x, index, centre, 50));
-            } else if range.flat {
-                let foot = self.descend(x, index, centre, 50);
-                harvest.flats.push((foot, self.region_bounds(index, region)));
+            } else if level.is_continuum(&range, extent) {
+                harvest.flats.push((self.descend(x, index, centre, 50), bounds));
             } else if region.depth >= MAX_DEPTH {
                 harvest.unresolved = true;
             } else {
                 stack.extend(self.halves(&block, &range));
             }
         }
+    }
+
+    /// Which sides of a box, by direction and end, are collapsed into a point.
+    fn poles(&self, index: usize, region: &Region) -> [[bool; 2]; 2] {
+        let patch = &self.patches[index];
+        let cells = &self.cells[patch.shape];
+        [0, 1].map(|d| {
+            [0, 1].map(|end| {
+                cells.collapsed[d][end] && cells.at_end(patch.cell, d, end) && region.at_border(d, end)
+            })
+        })
     }
 
     /// Both halves of a box.
@@ -169,7 +186,7 @@ impl<const K: usize> PatchSet<K> {
         end: usize,
         harvest: &mut Harvest<Foot, 3>,
     ) {
-        let (region, &Query { x, index, ref level, apart }) = (&block.region, query);
+        let (region, &Query { x, index, ref level }) = (&block.region, query);
         let (squared, degree) = edge(&block.squared, d, end);
         let weight = block.weight.as_ref().map(|rows| edge(rows, d, end).0);
         let ends = [0, 1].map(|other| region.at_border(1 - d, other));
@@ -179,15 +196,22 @@ impl<const K: usize> PatchSet<K> {
             (low[d], high[d]) = (end as f64, end as f64);
             Region { low: region.place(low), high: region.place(high), ..*region }
         };
-        let is_small = |range| extent(&[self.region_bounds(index, &part(range))]) <= apart;
-        for spot in line.minima(level, &is_small, &mut || harvest.enter_box()) {
+        let extent = |range| extent(&[self.region_bounds(index, &part(range))]);
+        for spot in line.minima(level, &extent, &mut || harvest.enter_box()) {
             match spot {
                 Spot::Minimum(s) => {
                     harvest.feet.push(self.descend(x, index, part([s; 2]).low, 50));
                 }
                 Spot::Flat(range) => {
                     let part = part(range);
-                    let foot = self.descend(x, index, part.place([0.5; 2]), 50);
+                    let centre = part.place([0.5; 2]);
+                    let foot = self.descend(x, index, centre, 50);
+                    // Where the surface goes on smoothly the distance may fall on the other side.
+                    let falls = foot.distance_sq < self.distance_sq(x, index, centre) * (1.0 - level.flat);
+                    let patch = &self.patches[index];
+                    if falls && self.cells[patch.shape].across(patch.cell, d, end).is_some() {
+                        continue;
+                    }
                     harvest.flats.push((foot, self.region_bounds(index, &part)));
                 }
                 Spot::Unresolved => harvest.unresolved = true,
@@ -227,7 +251,7 @@ fn at_level<const K: usize>(squared: &[Row<K>], weight: &[Row<K>], c: f64) -> Ve
 }
 
 #[inline(always)]
-fn judge<const K: usize>(block: &Block<K>, range: &Range, level: &Level) -> Verdict {
+fn judge<const K: usize>(block: &Block<K>, range: &Range, level: &Level, poles: [[bool; 2]; 2]) -> Verdict {
     let b = match &block.weight {
         None => bends(&block.squared),
         Some(weight) => {
@@ -274,5 +298,35 @@ fn judge<const K: usize>(block: &Block<K>, range: &Range, level: &Level) -> Verd
     if uu[0] > 0.0 && vv[0] > 0.0 && uu[0] * vv[0] > most * most {
         return Verdict::One;
     }
+    // Where the lines that leave a pole are convex and none falls, all of the box is further away than the pole.
+    for (d, bend) in [b.duu, b.dvv].into_iter().enumerate() {
+        for end in 0..2 {
+            if poles[d][end] && bend[0] > slack && least_slope(block, d, end) >= -slack {
+                let mut at = [0.5; 2];
+                at[d] = end as f64;
+                return Verdict::Pole(at);
+            }
+        }
+    }
     Verdict::Unknown
+}
+
+/// Lower bound for the derivative into the box along a side that is collapsed into a point.
+fn least_slope<const K: usize>(block: &Block<K>, d: usize, end: usize) -> f64 {
+    let last = |n: usize, k: usize| if end == 0 { k } else { n - 1 - k };
+    let coefficient = |rows: &[Row<K>], k: usize, along: usize| {
+        let (i, j) = if d == 0 { (last(rows.len(), k), along) } else { (along, last(WIDTH * K, k)) };
+        rows[i][j / WIDTH].0[j % WIDTH]
+    };
+    let squared = &block.squared;
+    let pole = |along| match &block.weight {
+        None => (coefficient(squared, 0, along), coefficient(squared, 1, along)),
+        Some(weight) => {
+            let c = coefficient(squared, 0, 0) / coefficient(weight, 0, 0);
+            let value = |k| coefficient(squared, k, along) - c * coefficient(weight, k, along);
+            (value(0), value(1))
+        }
+    };
+    let count = if d == 0 { WIDTH * K } else { squared.len() };
+    (0..count).map(pole).map(|(at, next)| next - at).fold(f64::INFINITY, f64::min)
 }

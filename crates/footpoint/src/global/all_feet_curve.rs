@@ -9,15 +9,8 @@ use super::tree::{Bounds, Content, Visit};
 use nalgebra::SVector;
 
 impl<const D: usize, const K: usize> PieceSet<D, K> {
-    /// Candidates for all local minima whose squared distance is at most `limit_sq`; pieces of the curve shorter
-    /// than `apart` count as points.
-    pub(crate) fn minima(
-        &self,
-        x: &SVector<f64, D>,
-        limit_sq: f64,
-        gap: &Gap,
-        apart: f64,
-    ) -> Harvest<CurveFoot, D> {
+    /// Candidates for all local minima whose squared distance is at most `limit_sq`.
+    pub(crate) fn minima(&self, x: &SVector<f64, D>, limit_sq: f64, gap: &Gap) -> Harvest<CurveFoot, D> {
         let mut harvest = Harvest::new(gap.max_boxes);
         let mut visits = vec![Visit::root()];
         let query: [f64; D] = (*x).into();
@@ -26,7 +19,7 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
                 Content::Node(node) => self.tree.expand(node, &query, limit_sq, &mut visits),
                 Content::Item(index) => {
                     harvest.enter_piece();
-                    self.piece_minima(x, index, limit_sq, gap, apart, &mut harvest);
+                    self.piece_minima(x, index, limit_sq, gap, &mut harvest);
                 }
             }
         }
@@ -39,7 +32,6 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
         index: usize,
         limit_sq: f64,
         gap: &Gap,
-        apart: f64,
         harvest: &mut Harvest<CurveFoot, D>,
     ) {
         let piece = &self.pieces[index];
@@ -47,11 +39,12 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
         let squared = self.form(piece, &y, 0.0);
         let scale =
             row_max(&squared).abs().max(row_min(&squared).abs()) + y.norm_squared() * piece.max_weight_sq;
-        let level = Level::new(limit_sq, scale, [piece.min_weight_sq, piece.max_weight_sq], gap.tie);
+        let weights = [piece.min_weight_sq, piece.max_weight_sq];
+        let level = Level::new(limit_sq, scale, weights, gap.tie, self.size);
         let weight = self.weight_form(piece);
         let line = Line { squared: &squared, weight, degree: Self::DEGREE, ends: [true; 2] };
-        let is_small = |range| extent(&[self.arc_bounds(index, range)]) <= apart;
-        let spots = line.minima(&level, &is_small, &mut || harvest.enter_box());
+        let extent = |range| extent(&[self.arc_bounds(index, range)]);
+        let spots = line.minima(&level, &extent, &mut || harvest.enter_box());
         for spot in spots {
             match spot {
                 Spot::Minimum(s) => harvest.feet.push(self.descend(x, index, s, 50)),

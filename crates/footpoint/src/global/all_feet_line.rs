@@ -64,24 +64,43 @@ pub(crate) struct Level {
     /// Relative difference below which squared distances are the same.
     pub(crate) flat: f64,
     pub(crate) min_weight_sq: f64,
+    /// Parts of the shape smaller than this are points.
+    pub(crate) apart: f64,
+    /// Flat parts larger than this are continua.
+    pub(crate) wide: f64,
 }
+
+/// Share of the size of the model within which minima are not told apart.
+pub(crate) const APART: f64 = 1e-7;
+
+/// Share of the size of the model beyond which places of the same distance are a continuum.
+const WIDE: f64 = 1e-3;
 
 /// The levels of `F` on a box.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Range {
     /// Those that matter: from the lowest one up to the limit.
     pub(crate) levels: [f64; 2],
-    /// Whether the distance on the box is the same as far as can be told.
-    pub(crate) flat: bool,
+    /// Whether the distance on the box is the same up to the tolerance for ties.
+    flat: bool,
+    /// Whether it is the same up to rounding errors.
+    same: bool,
 }
 
 impl Level {
     /// Thresholds for forms whose coefficients are at most `scale`, and come from sums of terms of that size.
-    pub(crate) fn new(limit_sq: f64, scale: f64, weight_sq: [f64; 2], tie: f64) -> Self {
+    pub(crate) fn new(limit_sq: f64, scale: f64, weight_sq: [f64; 2], tie: f64, size: f64) -> Self {
         // Levels above the largest distance do not occur.
         let limit_sq = limit_sq.min(2.0 * scale / weight_sq[0]);
         let noise = 4.0 * f64::EPSILON * (scale + limit_sq * weight_sq[1]);
-        Self { limit_sq, noise, flat: 4.0 * tie, min_weight_sq: weight_sq[0] }
+        Self {
+            limit_sq,
+            noise,
+            flat: 4.0 * tie,
+            min_weight_sq: weight_sq[0],
+            apart: APART * size,
+            wide: WIDE * size,
+        }
     }
 
     /// The levels on a box, or `None` when all are above the limit.
@@ -117,7 +136,13 @@ impl Level {
         Some(Range {
             levels: [(low - error).max(0.0).min(top), top],
             flat: high - low <= self.flat * high + error,
+            same: high - low <= error,
         })
+    }
+
+    /// Whether a part of the shape in which the distance has this range belongs to a continuum.
+    pub(crate) fn is_continuum(&self, range: &Range, extent: f64) -> bool {
+        range.same || (range.flat && extent > self.wide)
     }
 
     /// Differences of second order hold up to four rounding errors.
@@ -148,11 +173,11 @@ pub(crate) struct Line<'a, const K: usize> {
 }
 
 impl<const K: usize> Line<'_, K> {
-    /// Finds all local minima up to the limit; `is_small` tells whether an interval is as good as a point.
+    /// Finds all local minima up to the limit; `extent` is the size of the part of the shape over an interval.
     pub(crate) fn minima(
         &self,
         level: &Level,
-        is_small: &impl Fn([f64; 2]) -> bool,
+        extent: &impl Fn([f64; 2]) -> f64,
         enter: &mut impl FnMut() -> bool,
     ) -> Vec<Spot> {
         let mut spots = Vec::new();
@@ -185,17 +210,20 @@ impl<const K: usize> Line<'_, K> {
             } else if second[0] > slack {
                 let place = bisect(&squared, weight.as_ref(), n);
                 spots.push(Spot::Minimum(start + place * squared.length));
-            } else if is_small([start, end]) {
-                spots.push(Spot::Minimum(0.5 * (start + end)));
-            } else if range.flat {
-                spots.push(Spot::Flat([start, end]));
-            } else if squared.depth >= MAX_DEPTH {
-                spots.push(Spot::Unresolved);
             } else {
-                let (low, high) = halve(&squared, n);
-                let parts = weight.map(|w| halve(&w, n));
-                stack.push((high, parts.map(|p| p.1)));
-                stack.push((low, parts.map(|p| p.0)));
+                let extent = extent([start, end]);
+                if extent <= level.apart {
+                    spots.push(Spot::Minimum(0.5 * (start + end)));
+                } else if level.is_continuum(&range, extent) {
+                    spots.push(Spot::Flat([start, end]));
+                } else if squared.depth >= MAX_DEPTH {
+                    spots.push(Spot::Unresolved);
+                } else {
+                    let (low, high) = halve(&squared, n);
+                    let parts = weight.map(|w| halve(&w, n));
+                    stack.push((high, parts.map(|p| p.1)));
+                    stack.push((low, parts.map(|p| p.0)));
+                }
             }
         }
         spots
@@ -255,8 +283,8 @@ mod tests {
         };
         let (squared, weight) = (row(a), w.map(row));
         let line = Line { squared: &squared, weight: weight.as_ref(), degree: a.len() - 1, ends: [true; 2] };
-        let level = Level::new(limit_sq, 10.0, [1.0, 1.0], 1e-9);
-        line.minima(&level, &|[a, b]| b - a < 1e-9, &mut || true)
+        let level = Level::new(limit_sq, 10.0, [1.0, 1.0], 1e-9, 1.0);
+        line.minima(&level, &|[a, b]| b - a, &mut || true)
     }
 
     #[test]

@@ -1,7 +1,6 @@
 //! All feet of a point: every local minimum of the distance within a factor of the least one.
 
-use super::classify::SAME_POINT;
-use crate::global::all_feet_line::Harvest;
+use crate::global::all_feet_line::{APART, Harvest};
 use crate::global::gap::Gap;
 use crate::global::patch::PatchSet;
 use crate::global::piece::PieceSet;
@@ -134,8 +133,8 @@ pub(super) fn surface_feet<const K: usize>(
     let gap = Gap::new(options, set.size);
     let found = set.scratch.with(|scratch| set.search(x, None, true, &gap, scratch));
     let limit = limit(found.foot.distance_sq.sqrt(), factor, &gap, x.as_slice());
-    let apart = SAME_POINT * set.size;
-    let harvest = set.minima(x, limit * limit, &gap, apart);
+    let apart = APART * set.size;
+    let harvest = set.minima(x, limit * limit, &gap);
     let boxes = harvest.boxes;
     let bound = found.bound_sq.sqrt();
     let finish = |foot: &_| {
@@ -163,8 +162,8 @@ pub(super) fn curve_feet<const D: usize, const K: usize>(
     let gap = Gap::new(options, set.size);
     let (nearest, bound_sq) = set.scratch.with(|scratch| set.search(x, None, true, &gap, scratch));
     let limit = limit(nearest.distance_sq.sqrt(), factor, &gap, x.as_slice());
-    let apart = SAME_POINT * set.size;
-    let harvest = set.minima(x, limit * limit, &gap, apart);
+    let apart = APART * set.size;
+    let harvest = set.minima(x, limit * limit, &gap);
     let boxes = harvest.boxes;
     let bound = bound_sq.sqrt();
     let finish = |foot: &_| {

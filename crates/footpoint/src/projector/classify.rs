@@ -1,5 +1,6 @@
 //! Where a footpoint lies, on which side the query is, and whether there are others.
 
+use crate::global::all_feet_line::APART;
 use crate::global::descend::Foot;
 use crate::global::gap::Gap;
 use crate::global::patch::{Patch, PatchSet};
@@ -11,7 +12,7 @@ use nurbs_core::SurfaceJet;
 /// Local parameters this close to a border are on it.
 pub(super) const ON_BORDER: f64 = 1e-12;
 /// Share of the size of the model within which points are the same.
-pub(super) const SAME_POINT: f64 = 1e-7;
+pub(super) const SAME_POINT: f64 = APART;
 /// Cosine of the angle between the connecting line and a tangent that still counts as a right angle.
 pub(super) const ORTHOGONAL: f64 = 1e-6;
 /// Speed, as a share of the size of the model, below which a parameter does not move the point.
