@@ -22,12 +22,13 @@ const ABOVE: Order = Order { distance: FAR, near: 3e-3, rounding: 1e-12 };
 /// The same for points on it, where rounding is smaller and convergence faster.
 const ON_SHAPE: Order = Order { distance: 0.0, near: 2e-2, rounding: 1e-14 };
 
-/// Measures, prints, and writes [`DOCUMENT`]; with `--check` fails if it is out of date.
+/// Measures, prints, and writes [`DOCUMENT`]; with `--check` fails if it is out of date
+/// by more than rounding can explain.
 pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     let check = generated::is_check(arguments)?;
     let text = document().map_err(|error| Failure::Failed(format!("an example is invalid: {error}")))?;
     println!("{text}");
-    generated::write_or_check(DOCUMENT, &text, check, "convergence")
+    generated::write_or_check(DOCUMENT, &text, check, "convergence", generated::alike_as_measured)
 }
 
 const HEAD: &str = "\

@@ -26,7 +26,13 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     if !wrong.is_empty() {
         return Err(Failure::Failed(format!("not as printed, nor as listed:\n{}", wrong.join("\n"))));
     }
-    generated::write_or_check(DOCUMENT, &render::document(&tables), check, "paper-tables")
+    generated::write_or_check(
+        DOCUMENT,
+        &render::document(&tables),
+        check,
+        "paper-tables",
+        generated::identical,
+    )
 }
 
 /// Every number whose agreement with the paper is not what [`printed`] says of it.
