@@ -65,6 +65,11 @@ pub(crate) fn prove_line<const K: usize>(
         if min >= -noise {
             if min <= tie_level {
                 tie(parameter(guess), [parameter(guess); 2]);
+                for (end, s) in [(0, 0.0), (n, 1.0)] {
+                    if end != argmin && c[end] <= tie_level {
+                        tie(parameter(s), [parameter(s); 2]);
+                    }
+                }
             }
             continue;
         }

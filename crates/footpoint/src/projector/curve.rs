@@ -217,6 +217,10 @@ impl<const D: usize, const K: usize> Batch<D> for CurveQuery<'_, D, K> {
         if certify {
             out.lower_bound = bound_sq.sqrt().min(out.distance);
             out.multiplicity = self.set.multiplicity(x, &foot, &out, &self.gap, scratch);
+            if out.multiplicity == Multiplicity::Continuum && !out.status.is_converged() {
+                // Along a continuum no point is better than another: there is nothing to converge to.
+                out.status = Status::Converged;
+            }
         }
         out
     }

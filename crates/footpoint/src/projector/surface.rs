@@ -8,7 +8,7 @@ use crate::global::dispatch::vectorized;
 use crate::global::gap::Gap;
 use crate::global::patch::PatchSet;
 use crate::global::scratch::Scratch;
-use crate::{Error, Mode, ProjectionOptions, Status, SurfaceFootpoint};
+use crate::{Error, Mode, Multiplicity, ProjectionOptions, Status, SurfaceFootpoint};
 use nalgebra::Vector3;
 use nurbs_core::BsplineSurface;
 
@@ -233,6 +233,10 @@ impl<const K: usize> Batch<3> for SurfaceQuery<'_, K> {
         if certify {
             out.lower_bound = found.bound_sq.sqrt().min(out.distance);
             out.multiplicity = self.set.multiplicity(x, &found.foot, &out, &self.gap, scratch);
+            if out.multiplicity == Multiplicity::Continuum && !out.status.is_converged() {
+                // Along a continuum no point is better than another: there is nothing to converge to.
+                out.status = Status::Converged;
+            }
         }
         out
     }
