@@ -6,7 +6,7 @@
 //!   query, the nearest point of all, together with a lower bound that proves it. Batches run in parallel
 //!   ([`SurfaceProjector::project_many`]), and points that have moved a little get new feet from their old ones
 //!   ([`SurfaceProjector::update_many`]).
-//! - [`local`] holds the iterations of [HW05] and others on any [`ParametricCurve`](nurbs_core::ParametricCurve) or
+//! - [`local`] holds the iterations of \[HW05\] and others on any [`ParametricCurve`](nurbs_core::ParametricCurve) or
 //!   [`ParametricSurface`](nurbs_core::ParametricSurface), from a start of your choice.
 //!
 //! ```
