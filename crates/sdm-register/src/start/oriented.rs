@@ -1,7 +1,7 @@
 //! Points with normals: what a coarse start sees of a shape, whatever the shape is.
 
-use mesh_core::{PointCloud, TriangleMesh};
-use nalgebra::Vector3;
+use mesh_core::{CloudIndex, PointCloud, TriangleMesh};
+use nalgebra::{Matrix3, Vector3};
 use nurbs_core::{Aabb, ParametricSurface};
 
 use crate::Error;
@@ -87,9 +87,20 @@ impl OrientedPoints {
     #[must_use]
     pub fn from_cloud(cloud: &PointCloud) -> Self {
         let mut out = Self::default();
-        if let Some(normals) = cloud.attributes().normals() {
-            for (point, normal) in cloud.positions().iter().zip(normals) {
-                out.push(point.coords, normal);
+        match cloud.attributes().normals() {
+            Some(normals) => {
+                for (point, normal) in cloud.positions().iter().zip(normals) {
+                    out.push(point.coords, normal);
+                }
+            }
+            None => {
+                let Ok(index) = CloudIndex::new(cloud.positions()) else { return out };
+                let normals = index.map_nearest_n(cloud.positions(), 16, |_, near| {
+                    normal_of(near.iter().map(|n| cloud.positions()[n.index].coords))
+                });
+                for (point, normal) in cloud.positions().iter().zip(&normals) {
+                    out.push(point.coords, normal);
+                }
             }
         }
         out
@@ -141,6 +152,19 @@ impl OrientedPoints {
             normals: indices.iter().map(|&i| self.normals[i]).collect(),
         }
     }
+}
+
+/// The direction in which points spread least.
+fn normal_of(points: impl Iterator<Item = Vector3<f64>> + Clone) -> Vector3<f64> {
+    let count = points.clone().count().max(1) as f64;
+    let mean = points.clone().sum::<Vector3<f64>>() / count;
+    let mut covariance = Matrix3::zeros();
+    for point in points {
+        let offset = point - mean;
+        covariance += offset * offset.transpose();
+    }
+    let eigen = covariance.symmetric_eigen();
+    eigen.eigenvectors.column(eigen.eigenvalues.imin()).into_owned()
 }
 
 /// Calls `emit` for `count` places, each element getting its share by area, with parameters in the unit square.
