@@ -60,10 +60,20 @@ pub enum Error {
     /// More vertices or triangles than a 32-bit index can tell apart.
     #[error("{count} {what} are too many for 32-bit indices")]
     TooMany {
-        /// `vertices` or `triangles`.
+        /// `vertices`, `triangles` or `points`.
         what: &'static str,
         /// How many there are.
         count: usize,
+    },
+    /// Fewer of something than the method needs.
+    #[error("{count} {what} are too few: at least {least} are needed")]
+    TooFew {
+        /// What is counted, such as `neighbours`.
+        what: &'static str,
+        /// How many there are.
+        count: usize,
+        /// How many are needed.
+        least: usize,
     },
     /// A mesh without any triangle of finite coordinates has no closest point.
     #[error("the mesh has no triangle with finite coordinates ({triangles} triangles in all)")]

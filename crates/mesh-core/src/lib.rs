@@ -23,9 +23,11 @@ mod bvh;
 pub mod closest;
 mod cloud;
 mod cloud_index;
+mod curvature;
 mod error;
 mod kd_tree;
 mod mesh;
+mod normals;
 mod parallel;
 mod pseudo_normal;
 mod topology;
@@ -37,9 +39,13 @@ pub use bounds::BoundingBox;
 pub use closest::{MeshFootpoint, MeshProjector};
 pub use cloud::PointCloud;
 pub use cloud_index::{CloudIndex, Neighbour};
+pub use curvature::{CloudCurvature, CurvatureFrame, CurvatureOptions, MeshCurvature, estimate_curvature};
 pub use error::Error;
 pub use mesh::TriangleMesh;
 pub use nalgebra;
+pub use normals::{
+    CloudNormals, NormalOptions, Normals, Orientation, estimate_normals, orient_consistently, orient_towards,
+};
 pub use topology::MeshTopology;
 pub use triangle::Feature;
 pub use weld::VertexWelder;
