@@ -25,6 +25,7 @@ mod cloud;
 mod cloud_index;
 mod curvature;
 mod error;
+mod half_edge;
 mod kd_tree;
 mod mesh;
 mod normals;
@@ -41,6 +42,7 @@ pub use cloud::PointCloud;
 pub use cloud_index::{CloudIndex, Neighbour};
 pub use curvature::{CloudCurvature, CurvatureFrame, CurvatureOptions, MeshCurvature, estimate_curvature};
 pub use error::Error;
+pub use half_edge::{Defects, HalfEdge, HalfEdgeMesh};
 pub use mesh::TriangleMesh;
 pub use nalgebra;
 pub use normals::{
