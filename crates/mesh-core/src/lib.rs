@@ -30,6 +30,7 @@ mod kd_tree;
 mod mesh;
 mod normals;
 mod parallel;
+mod polyline;
 mod pseudo_normal;
 mod topology;
 mod triangle;
@@ -48,6 +49,7 @@ pub use nalgebra;
 pub use normals::{
     CloudNormals, NormalOptions, Normals, Orientation, estimate_normals, orient_consistently, orient_towards,
 };
+pub use polyline::{Polyline, PolylineFootpoint};
 pub use topology::MeshTopology;
 pub use triangle::Feature;
 pub use weld::VertexWelder;
