@@ -160,6 +160,18 @@ impl<const D: usize> CloudIndex<D> {
         )
     }
 
+    /// `f(i, neighbours)` of all points up to a distance from every point `i`, in order, on all threads.
+    ///
+    /// See [`CloudIndex::within`]. Nothing is kept of the neighbours but what `f` makes of them.
+    pub fn map_within<T: Send>(
+        &self,
+        points: &[Point<f64, D>],
+        radius: f64,
+        f: impl Fn(usize, &[Neighbour]) -> T + Sync,
+    ) -> Vec<T> {
+        parallel::map(points.len(), |i| f(i, &self.within(&points[i], radius)))
+    }
+
     /// [`CloudIndex::nearest_n`] into memory that is used again.
     fn nearest_n_into(
         &self,

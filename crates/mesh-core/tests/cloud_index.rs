@@ -105,7 +105,7 @@ fn many_equal_points_take_no_longer() {
 fn batches_equal_single_queries_far_from_the_origin() {
     let shift = Vector3::new(4.5e6, 5.2e6, 300.0);
     let points: Vec<_> = (0..3000)
-        .map(|i| f64::from(i))
+        .map(f64::from)
         .map(|i| Point3::new((i * 0.618).fract(), (i * 0.755).fract(), (i * 0.123).fract()) + shift)
         .collect();
     let index = CloudIndex::new(&points).unwrap();
