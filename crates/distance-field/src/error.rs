@@ -7,6 +7,9 @@ pub enum Error {
     /// The shape cannot be projected onto.
     #[error(transparent)]
     Footpoint(#[from] footpoint::Error),
+    /// The curve or surface cannot be used.
+    #[error(transparent)]
+    Shape(#[from] nurbs_core::Error),
     /// The mesh or cloud cannot be used.
     #[error(transparent)]
     Mesh(#[from] mesh_core::Error),

@@ -5,12 +5,16 @@
 //! into a [`QuadraticModel`] of the squared distance, and the sum of such models is what one step minimises
 //! (\[P05, sec. 3.2\]).
 
+mod borders;
 mod error;
 mod field;
 mod frame;
-pub(crate) mod parallel;
+mod local_geometry;
+mod parallel;
+mod pole;
 mod quadratic;
 mod search;
+mod surface;
 mod term;
 
 pub use error::Error;
@@ -18,4 +22,5 @@ pub use field::DistanceField;
 pub use frame::PrincipalFrame;
 pub use quadratic::QuadraticModel;
 pub use search::{Hint, Search};
+pub use surface::SurfaceField;
 pub use term::ErrorTerm;
