@@ -1,22 +1,22 @@
 //! Clouds and models to be registered.
 
 use industrial_geometry::io::{self, ReadOptions, Shape};
-use industrial_geometry::mesh::nalgebra::{Isometry3, Matrix4, Translation3, UnitQuaternion, Vector3};
-use industrial_geometry::mesh::nalgebra::{Quaternion, convert_unchecked};
+use industrial_geometry::mesh::nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use industrial_geometry::nurbs::ParametricSurface;
+use industrial_geometry::register::Pose;
 use industrial_geometry::register::start::OrientedPoints;
 use std::error::Error;
 use std::path::Path;
 
 /// Random numbers for displacements, the same on every run.
-pub struct Generator(u64);
+pub(crate) struct Generator(u64);
 
 impl Generator {
-    pub fn new(seed: u64) -> Self {
+    pub(crate) fn new(seed: u64) -> Self {
         Self(seed)
     }
 
-    pub fn unit(&mut self) -> f64 {
+    pub(crate) fn unit(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         let mixed = (self.0 ^ (self.0 >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
         (mixed >> 11) as f64 / (1u64 << 53) as f64
@@ -31,41 +31,38 @@ impl Generator {
     }
 
     /// A rotation drawn evenly from all, and a shift.
-    pub fn motion(&mut self) -> Isometry3<f64> {
+    pub(crate) fn motion(&mut self) -> Pose<3> {
         let turn = Quaternion::new(self.gauss(), self.gauss(), self.gauss(), self.gauss());
-        Isometry3::from_parts(Translation3::from(self.gauss_vector() * 5.0), UnitQuaternion::new_normalize(turn))
+        let turn = UnitQuaternion::new_normalize(turn).to_rotation_matrix().into_inner();
+        Pose::new(turn, self.gauss_vector() * 5.0)
     }
 }
 
 /// What is done to the cloud before it is displaced.
 #[derive(Clone, Copy, Default)]
-pub struct Damage {
+pub(crate) struct Damage {
     /// Share of the cloud that is cut off by a random plane.
-    pub missing: f64,
+    pub(crate) missing: f64,
     /// Share of outliers in the box around the cloud, in the end.
-    pub outliers: f64,
+    pub(crate) outliers: f64,
     /// Noise, in diameters.
-    pub noise: f64,
+    pub(crate) noise: f64,
 }
 
-pub struct Case {
-    pub name: String,
-    pub model: OrientedPoints,
-    pub diameter: f64,
+pub(crate) struct Case {
+    pub(crate) name: String,
+    pub(crate) model: OrientedPoints,
+    pub(crate) diameter: f64,
     source: OrientedPoints,
     core: usize,
-    truth: Isometry3<f64>,
+    /// Takes the source to the frame of the model.
+    pub(crate) truth: Pose<3>,
     damage: Damage,
 }
 
 impl Case {
-    /// Where a point of the cloud lies in the frame of the model.
-    pub fn truth_of(&self, x: &Vector3<f64>) -> Vector3<f64> {
-        (self.truth * industrial_geometry::mesh::nalgebra::Point3::from(*x)).coords
-    }
-
     /// Points, normals, and how many of the first points belong to the model.
-    pub fn cloud(&self, random: &mut Generator) -> (Vec<Vector3<f64>>, Vec<Vector3<f64>>, usize) {
+    pub(crate) fn cloud(&self, random: &mut Generator) -> (Vec<Vector3<f64>>, Vec<Vector3<f64>>, usize) {
         let Damage { missing, outliers, noise } = self.damage;
         let direction = random.gauss_vector().normalize();
         let mut heights: Vec<f64> = self.source.points()[..self.core].iter().map(|x| x.dot(&direction)).collect();
@@ -113,7 +110,7 @@ impl Case {
 }
 
 /// A case from a folder.
-pub fn read(folder: &Path) -> Result<Case, Box<dyn Error>> {
+pub(crate) fn read(folder: &Path) -> Result<Case, Box<dyn Error>> {
     let text = std::fs::read_to_string(folder.join("case.json"))?;
     let json: serde_json::Value = serde_json::from_str(&text)?;
     let model_file = json["model"].as_str().ok_or("no model")?;
@@ -128,21 +125,21 @@ pub fn read(folder: &Path) -> Result<Case, Box<dyn Error>> {
         .collect();
     let source = io::read_cloud(folder.join("source.ply"), &ReadOptions::default())?.content;
     let entry = |i: usize, j: usize| json["T_gt"][i][j].as_f64().unwrap_or(f64::NAN);
-    let truth: Isometry3<f64> = convert_unchecked(Matrix4::from_fn(entry));
+    let rows = [0, 1, 2, 3].map(|i| [0, 1, 2, 3].map(|j| entry(i, j)));
     let whole = usize::try_from(json["core_mask"].as_u64().ok_or("no core_mask")?)?;
     Ok(Case {
         name: json["name"].as_str().unwrap_or("?").into(),
         model: OrientedPoints::from_surfaces(&surfaces, 20_000),
         diameter: json["diam"].as_f64().ok_or("no diam")?,
         core: whole.min(source.len()),
-        source: OrientedPoints::from_cloud(&source),
-        truth,
+        source: OrientedPoints::from_cloud(&source)?,
+        truth: Pose::from_row_major(&rows)?,
         damage: Damage::default(),
     })
 }
 
 /// The bunny and shapes that are made up.
-pub fn built_in() -> Result<Vec<Case>, Box<dyn Error>> {
+pub(crate) fn built_in() -> Result<Vec<Case>, Box<dyn Error>> {
     let mesh = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/mesh");
     let mut all = Vec::new();
     for name in ["bunny", "teapot"] {
@@ -156,7 +153,7 @@ pub fn built_in() -> Result<Vec<Case>, Box<dyn Error>> {
             model,
             diameter,
             source,
-            truth: Isometry3::identity(),
+            truth: Pose::identity(),
             damage: Damage::default(),
         };
         all.extend(case.variants());

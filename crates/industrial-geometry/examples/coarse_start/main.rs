@@ -10,6 +10,7 @@ mod cases;
 
 use cases::{Case, Generator};
 use industrial_geometry::footpoint::no_progress;
+use industrial_geometry::register::Pose;
 use industrial_geometry::register::start::{CoarseStart, OrientedPoints, StartMethod, StartOptions};
 use std::error::Error;
 use std::time::Instant;
@@ -49,16 +50,16 @@ fn measure(case: &Case, method: StartMethod, trials: usize) -> Result<(), Box<dy
     for _ in 0..trials {
         let (points, normals, core) = case.cloud(&mut random);
         let motion = random.motion();
-        let moved: Vec<_> = points.iter().map(|x| (motion * nalgebra_point(x)).coords).collect();
-        let turned: Vec<_> = normals.iter().map(|n| motion.rotation * n).collect();
+        let moved: Vec<_> = points.iter().map(|x| motion.apply(x)).collect();
+        let turned: Vec<_> = normals.iter().map(|n| motion.rotate(n)).collect();
         let cloud = OrientedPoints::new(&moved, &turned)?;
         let clock = Instant::now();
         let report = start.search(&cloud, &no_progress)?;
         seconds += clock.elapsed().as_secs_f64();
         rounds += report.rounds;
-        let error = |pose: &industrial_geometry::mesh::nalgebra::Isometry3<f64>| {
+        let error = |pose: &Pose<3>| {
             let sum: f64 = (0..core)
-                .map(|i| ((pose * nalgebra_point(&moved[i])).coords - case.truth_of(&points[i])).norm_squared())
+                .map(|i| (pose.apply(&moved[i]) - case.truth.apply(&points[i])).norm_squared())
                 .sum();
             (sum / core as f64).sqrt() / case.diameter
         };
@@ -81,10 +82,4 @@ fn measure(case: &Case, method: StartMethod, trials: usize) -> Result<(), Box<dy
         prepare
     );
     Ok(())
-}
-
-fn nalgebra_point(
-    x: &industrial_geometry::mesh::nalgebra::Vector3<f64>,
-) -> industrial_geometry::mesh::nalgebra::Point3<f64> {
-    industrial_geometry::mesh::nalgebra::Point3::from(*x)
 }

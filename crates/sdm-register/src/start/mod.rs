@@ -11,12 +11,14 @@ mod oriented;
 mod pairs;
 mod placement;
 mod pool;
-mod random;
+pub(crate) mod random;
 mod refine;
 mod report;
 mod score;
 mod search;
 mod thin;
+
+pub(crate) use placement::Placement;
 
 pub use options::{StartMethod, StartOptions};
 pub use oriented::OrientedPoints;

@@ -44,7 +44,7 @@ pub struct StartOptions {
     /// Whether the normals of cloud and model point to the same side of the surface; default false: then their signs are
     /// ignored. True is faster and tells thin walls apart.
     pub oriented: bool,
-    /// Rounds of 200 pairs each before the search gives up; default 24. It ends sooner when the best pose has been met
+    /// Rounds of 100 pairs each before the search gives up; default 40. It ends sooner when the best pose has been met
     /// several times.
     pub max_rounds: usize,
     /// Seed of the random choices; default 1. The same seed gives the same result.
@@ -59,7 +59,7 @@ impl Default for StartOptions {
             min_share: 0.15,
             tolerance: 0.012,
             oriented: false,
-            max_rounds: 24,
+            max_rounds: 40,
             seed: 1,
         }
     }
@@ -121,7 +121,7 @@ impl StartOptions {
             ("tolerance", self.tolerance, self.tolerance > 0.0 && self.tolerance <= 0.05, "(0, 0.05]"),
         ] {
             if !inside {
-                return Err(Error::InvalidOption { name, value, range });
+                return Err(Error::Option { name, value, allowed: range });
             }
         }
         Ok(())

@@ -1,7 +1,7 @@
 //! Points with normals: what a coarse start sees of a shape, whatever the shape is.
 
-use mesh_core::{CloudIndex, PointCloud, TriangleMesh};
-use nalgebra::{Matrix3, Vector3};
+use mesh_core::{NormalOptions, Orientation, PointCloud, TriangleMesh, estimate_normals};
+use nalgebra::{Point3, Vector3};
 use nurbs_core::{Aabb, ParametricSurface};
 
 use crate::Error;
@@ -13,6 +13,7 @@ use crate::Error;
 pub struct OrientedPoints {
     points: Vec<Vector3<f64>>,
     normals: Vec<Vector3<f64>>,
+    dropped: usize,
 }
 
 /// Cells per direction of the parameter grid that measures the area of a surface.
@@ -27,10 +28,10 @@ impl OrientedPoints {
     /// Points and normals that are not finite, and normals of length 0, are left out.
     ///
     /// # Errors
-    /// [`Error::LengthMismatch`] if there is not one normal per point.
+    /// [`Error::Length`] if there is not one normal per point.
     pub fn new(points: &[Vector3<f64>], normals: &[Vector3<f64>]) -> Result<Self, Error> {
         if points.len() != normals.len() {
-            return Err(Error::LengthMismatch { what: "normals", found: normals.len(), expected: points.len() });
+            return Err(Error::Length { what: "normals", found: normals.len(), points: points.len() });
         }
         let mut out = Self::default();
         for (point, normal) in points.iter().zip(normals) {
@@ -70,7 +71,7 @@ impl OrientedPoints {
     pub fn from_mesh(mesh: &TriangleMesh, count: usize) -> Self {
         let corners: Vec<_> = (0..mesh.triangles().len()).filter_map(|index| mesh.corners(index)).collect();
         let area = |[a, b, c]: &[_; 3]| -> Vector3<f64> {
-            let (a, b, c): (&nalgebra::Point3<f64>, &nalgebra::Point3<f64>, &nalgebra::Point3<f64>) = (a, b, c);
+            let (a, b, c): (&Point3<f64>, &Point3<f64>, &Point3<f64>) = (a, b, c);
             (b - a).cross(&(c - a)) * 0.5
         };
         let areas: Vec<f64> = corners.iter().map(|triangle| area(triangle).norm()).collect();
@@ -84,8 +85,10 @@ impl OrientedPoints {
     }
 
     /// The points of a cloud; normals that it does not have are estimated.
-    #[must_use]
-    pub fn from_cloud(cloud: &PointCloud) -> Self {
+    ///
+    /// # Errors
+    /// [`Error::Cloud`] if the cloud has too many points.
+    pub fn from_cloud(cloud: &PointCloud) -> Result<Self, Error> {
         let mut out = Self::default();
         match cloud.attributes().normals() {
             Some(normals) => {
@@ -93,17 +96,27 @@ impl OrientedPoints {
                     out.push(point.coords, normal);
                 }
             }
-            None => {
-                let Ok(index) = CloudIndex::new(cloud.positions()) else { return out };
-                let normals = index.map_nearest_n(cloud.positions(), 16, |_, near| {
-                    normal_of(near.iter().map(|n| cloud.positions()[n.index].coords))
-                });
-                for (point, normal) in cloud.positions().iter().zip(&normals) {
-                    out.push(point.coords, normal);
-                }
-            }
+            None => out.estimate(cloud.positions())?,
         }
-        out
+        Ok(out)
+    }
+
+    /// Points whose normals are estimated.
+    ///
+    /// # Errors
+    /// [`Error::Cloud`] if there are too many points.
+    pub fn without_normals(points: &[Vector3<f64>]) -> Result<Self, Error> {
+        let mut out = Self::default();
+        out.estimate(&points.iter().copied().map(Point3::from).collect::<Vec<_>>())?;
+        Ok(out)
+    }
+
+    fn estimate(&mut self, points: &[Point3<f64>]) -> Result<(), Error> {
+        let options = NormalOptions::default().with_orientation(Orientation::Any);
+        for (point, normal) in points.iter().zip(estimate_normals(points, &options)?.normals) {
+            self.push(point.coords, &normal);
+        }
+        Ok(())
     }
 
     fn push(&mut self, point: Vector3<f64>, normal: &Vector3<f64>) {
@@ -112,6 +125,8 @@ impl OrientedPoints {
         {
             self.points.push(point);
             self.normals.push(unit);
+        } else {
+            self.dropped += 1;
         }
     }
 
@@ -125,6 +140,12 @@ impl OrientedPoints {
     #[must_use]
     pub fn normals(&self) -> &[Vector3<f64>] {
         &self.normals
+    }
+
+    /// Number of points that were left out.
+    #[must_use]
+    pub fn dropped(&self) -> usize {
+        self.dropped
     }
 
     /// Number of points.
@@ -150,21 +171,9 @@ impl OrientedPoints {
         Self {
             points: indices.iter().map(|&i| (self.points[i] - centre) / scale).collect(),
             normals: indices.iter().map(|&i| self.normals[i]).collect(),
+            dropped: 0,
         }
     }
-}
-
-/// The direction in which points spread least.
-fn normal_of(points: impl Iterator<Item = Vector3<f64>> + Clone) -> Vector3<f64> {
-    let count = points.clone().count().max(1) as f64;
-    let mean = points.clone().sum::<Vector3<f64>>() / count;
-    let mut covariance = Matrix3::zeros();
-    for point in points {
-        let offset = point - mean;
-        covariance += offset * offset.transpose();
-    }
-    let eigen = covariance.symmetric_eigen();
-    eigen.eigenvectors.column(eigen.eigenvalues.imin()).into_owned()
 }
 
 /// Calls `emit` for `count` places, each element getting its share by area, with parameters in the unit square.
@@ -189,7 +198,6 @@ fn spread(areas: &[f64], count: usize, mut emit: impl FnMut(usize, [f64; 2])) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::Point3;
 
     #[test]
     fn a_mesh_is_sampled_by_area() {

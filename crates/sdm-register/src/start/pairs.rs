@@ -2,7 +2,7 @@
 //!
 //! The distance of two points, the angles of their normals with the line that joins them, and the angle between the
 //! normals stay the same under every motion. One pair of the cloud with the same four numbers as a pair of the model
-//! determines a pose (\[DUNI10\], \[PHB10\]).
+//! determines a pose (\[DUNI10\], \[PB10\]).
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -24,7 +24,7 @@ struct Pair {
     middle: Vector3<f64>,
     direction: Vector3<f64>,
     normals: [Vector3<f64>; 2],
-    /// Distance and angles, in widths of a bin.
+    /// Distance and angles, in widths of a bin. The angles are 0 before they are measured.
     feature: [f64; 4],
 }
 
@@ -44,10 +44,14 @@ impl Pair {
                 }
             }
         }
-        let mut pair = Self { middle: (points[0] + points[1]) * 0.5, direction, normals, feature: [0.0; 4] };
-        pair.feature[0] = (distance - SHORTEST) / (LONGEST - SHORTEST) * DISTANCE_BINS as f64;
-        pair.measure();
-        Some(pair)
+        let length = (distance - SHORTEST) / (LONGEST - SHORTEST) * DISTANCE_BINS as f64;
+        Some(Self { middle: (points[0] + points[1]) * 0.5, direction, normals, feature: [length, 0.0, 0.0, 0.0] })
+    }
+
+    /// The pair with its angles.
+    fn measured(mut self) -> Self {
+        self.measure();
+        self
     }
 
     fn measure(&mut self) {
@@ -98,10 +102,10 @@ impl PairTable {
     /// All ordered pairs of the first 65536 samples.
     pub(crate) fn new(samples: OrientedPoints, oriented: bool) -> Self {
         let count = u16::try_from(samples.len()).unwrap_or(u16::MAX);
-        let rows = crate::parallel::map(usize::from(count), 16, |i| {
+        let rows = crate::parallel::tasks(usize::from(count), |i| {
             let mut row = Vec::new();
             for j in 0..count {
-                if let Some(pair) = pair_of(&samples, i, usize::from(j), oriented) {
+                if let Some(pair) = pair_of(&samples, i, usize::from(j), oriented).map(Pair::measured) {
                     let key = pair.feature.map(|value| value.floor());
                     if let Some(key) = key_of(key) {
                         row.push((key, j));
@@ -136,7 +140,7 @@ impl PairTable {
         most: usize,
         mut visit: impl FnMut(Placement),
     ) {
-        let Some(pair) = pair_of(cloud, i, j, self.oriented) else { return };
+        let Some(pair) = pair_of(cloud, i, j, self.oriented).map(Pair::measured) else { return };
         let mut variants = vec![pair];
         if !self.oriented {
             // A normal across the joining line may have been turned to either side.

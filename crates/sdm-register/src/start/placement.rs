@@ -1,6 +1,9 @@
 //! Poses as the search handles them: a matrix and a shift, between frames in which the model has the size 1.
 
-use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Rotation3, Vector3};
+
+use crate::Pose;
+use crate::rotation::orthonormalized;
 
 /// `x ↦ R x + t`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -13,6 +16,12 @@ impl Placement {
     #[inline]
     pub(crate) fn apply(&self, x: &Vector3<f64>) -> Vector3<f64> {
         self.rotation * x + self.shift
+    }
+
+    /// The point that comes to lie at `x`.
+    #[inline]
+    pub(crate) fn apply_inverse(&self, x: &Vector3<f64>) -> Vector3<f64> {
+        self.rotation.tr_mul(&(x - self.shift))
     }
 
     /// Root mean square displacement between two placements of a body with the given radius of inertia.
@@ -32,20 +41,22 @@ impl Placement {
     }
 
     /// The pose between the files' frames, if the scaled ones are `(x − centre) / scale`.
-    pub(crate) fn to_pose(
-        self,
+    pub(crate) fn to_pose(self, cloud_centre: &Vector3<f64>, model_centre: &Vector3<f64>, scale: f64) -> Pose<3> {
+        Pose {
+            scale: 1.0,
+            rotation: orthonormalized(&self.rotation),
+            source_origin: *cloud_centre,
+            target_origin: model_centre + self.shift * scale,
+        }
+    }
+
+    /// The placement between scaled frames of a pose between the files' frames.
+    pub(crate) fn from_pose(
+        pose: &Pose<3>,
         cloud_centre: &Vector3<f64>,
         model_centre: &Vector3<f64>,
         scale: f64,
-    ) -> Isometry3<f64> {
-        // Many small rotations have been multiplied: back to a rotation by the quaternion.
-        let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_eps(
-            &self.rotation,
-            1e-15,
-            20,
-            Rotation3::from_matrix_unchecked(self.rotation),
-        ));
-        let shift = self.shift * scale + model_centre - rotation * cloud_centre;
-        Isometry3::from_parts(Translation3::from(shift), rotation)
+    ) -> Self {
+        Self { rotation: pose.rotation, shift: (pose.apply(cloud_centre) - model_centre) / scale }
     }
 }

@@ -2,9 +2,8 @@
 
 use std::fmt;
 
-use nalgebra::Isometry3;
-
 use super::StartMethod;
+use crate::Pose;
 
 /// How the search ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -46,7 +45,7 @@ impl fmt::Display for StartStatus {
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct StartCandidate {
     /// Maps the cloud into the frame of the model.
-    pub pose: Isometry3<f64>,
+    pub pose: Pose<3>,
     /// `mean max(0, 1 − d²/τ²)` over the cloud, `τ` being the tolerance: between 0 and 1, larger is better.
     pub score: f64,
     /// Share of the cloud within the tolerance.

@@ -18,16 +18,17 @@ const MODEL_POINTS: usize = 20_000;
 const PAIR_POINTS: usize = 700;
 const FEWEST: usize = 3;
 
-/// Points of the cloud: all in all, for improving, for scoring what was improved, for a first and for a second look.
+/// Points of the cloud: all in all, for improving, for scoring what was improved, and for a first, a second and a third look.
 const CLOUD_POINTS: usize = 3000;
 const REFINE_POINTS: usize = 300;
 const SCORE_POINTS: usize = 1000;
-const FIRST_LOOK: usize = 24;
-const SECOND_LOOK: usize = 128;
+const FIRST_LOOK: usize = 8;
+const SECOND_LOOK: usize = 32;
+const THIRD_LOOK: usize = 128;
 
 /// Pairs per round, poses per pair, poses that are improved per round.
-const PAIRS: usize = 200;
-const POSES_PER_PAIR: usize = 800;
+const PAIRS: usize = 100;
+const POSES_PER_PAIR: usize = 300;
 const IMPROVED: usize = 16;
 
 /// Distance limit while poses are coarse, and for the ranking of improved ones.
@@ -35,7 +36,7 @@ const COARSE: f64 = 0.05;
 const MEDIUM: f64 = 0.025;
 
 /// The search ends when its best pose was met in this many rounds.
-const VOTES: usize = 4;
+const VOTES: usize = 3;
 
 /// Scores above this share of the best one make the best one ambiguous.
 const RIVAL: f64 = 0.97;
@@ -70,15 +71,14 @@ impl CoarseStart {
     /// Prepares a model: some 10,000 evenly spread points are enough.
     ///
     /// # Errors
-    /// [`Error::TooFewPoints`], [`Error::NoExtent`] or [`Error::InvalidOption`].
+    /// [`Error::Input`] if there are too few points or all are the same; [`Error::Option`].
     pub fn new(model: &OrientedPoints, options: &StartOptions) -> Result<Self, Error> {
         options.validate()?;
-        let too_few =
-            || Error::TooFewPoints { what: "model".into(), found: model.len(), needed: FEWEST };
-        let bounds = model.bounding_box().filter(|_| model.len() >= FEWEST).ok_or_else(too_few)?;
+        let bounds = model.bounding_box().filter(|_| model.len() >= FEWEST);
+        let bounds = bounds.ok_or_else(|| too_few(model).of("model"))?;
         let (centre, scale) = (bounds.centre(), bounds.diagonal());
         if scale <= 0.0 || !scale.is_finite() {
-            return Err(Error::NoExtent { what: "model".into() });
+            return Err(Error::Collinear { width: 0.0, length: scale }.of("model"));
         }
         let mut random = Random::new(options.seed);
         let samples = model.scaled(&thin(model.points(), scale / 40.0, MODEL_POINTS, &mut random), &centre, scale);
@@ -95,10 +95,10 @@ impl CoarseStart {
     /// `progress` is told the number of finished rounds and the largest number of rounds, and may cancel.
     ///
     /// # Errors
-    /// [`Error::TooFewPoints`] or [`Error::NoExtent`].
+    /// [`Error::Input`] if there are too few points or all are the same.
     pub fn search(&self, cloud: &OrientedPoints, progress: Progress<'_>) -> Result<StartReport, Error> {
         if cloud.len() < FEWEST {
-            return Err(Error::TooFewPoints { what: "cloud".into(), found: cloud.len(), needed: FEWEST });
+            return Err(too_few(cloud).of("cloud"));
         }
         let mut random = Random::new(self.options.seed.wrapping_add(1));
         let kept = thin(cloud.points(), self.scale / 40.0, CLOUD_POINTS, &mut random);
@@ -143,7 +143,7 @@ impl<'a> Run<'a> {
         distances.sort_by(f64::total_cmp);
         let radius = distances.get(distances.len() / 2).copied().unwrap_or(0.0);
         if distances.last().is_none_or(|&farthest| farthest <= 0.0) {
-            return Err(Error::NoExtent { what: "cloud".into() });
+            return Err(Error::Collinear { width: 0.0, length: 0.0 }.of("cloud"));
         }
         let pool = Pool::new(radius);
         Ok(Self { start, cloud, radius, random, pool, best_rate: 0.1, tried: 0, rounds: 0 })
@@ -152,8 +152,8 @@ impl<'a> Run<'a> {
     fn try_axes(&mut self) {
         let candidates = axes::candidates(&self.cloud, &self.start.samples);
         self.tried += candidates.len();
-        let count = SECOND_LOOK.min(self.cloud.len());
-        let scores = parallel::map(candidates.len(), 8, |i| {
+        let count = THIRD_LOOK.min(self.cloud.len());
+        let scores = parallel::tasks(candidates.len(), |i| {
             self.start.scorer.sum(&candidates[i], &self.cloud, 0..count, COARSE)
         });
         let scored = scores.into_iter().zip(candidates).collect();
@@ -164,11 +164,11 @@ impl<'a> Run<'a> {
     fn round(&mut self, round: usize) {
         self.rounds = round;
         let pairs = self.draw_pairs();
-        let found = parallel::map(pairs.len(), 1, |k| self.poses_of(pairs[k]));
+        let found = parallel::tasks(pairs.len(), |k| self.poses_of(pairs[k]));
         self.tried += found.iter().map(|(tried, _)| tried).sum::<usize>();
         let scored: Vec<_> = found.into_iter().flat_map(|(_, scored)| scored).collect();
         let best = scored.iter().map(|(score, _)| *score).fold(0.0, f64::max);
-        self.best_rate = self.best_rate.max(best / SECOND_LOOK.min(self.cloud.len()) as f64);
+        self.best_rate = self.best_rate.max(best / THIRD_LOOK.min(self.cloud.len()) as f64);
         self.improve(scored, StartMethod::PointPairs, round);
     }
 
@@ -189,15 +189,20 @@ impl<'a> Run<'a> {
 
     /// The best poses by one pair, and how many were tried.
     fn poses_of(&self, pair: [usize; 2]) -> (usize, Vec<(f64, Placement)>) {
-        let (first, second) = (FIRST_LOOK.min(self.cloud.len()), SECOND_LOOK.min(self.cloud.len()));
+        let [first, second, third] = [FIRST_LOOK, SECOND_LOOK, THIRD_LOOK].map(|count| count.min(self.cloud.len()));
         let scorer = &self.start.scorer;
-        let needed = 0.5 * self.best_rate * first as f64;
+        // Few points tell little, so they are asked for less.
+        let (least, needed) = (0.25 * self.best_rate * first as f64, 0.5 * self.best_rate * second as f64);
         let (mut tried, mut scored) = (0, Vec::new());
         self.start.table.matches(&self.cloud, pair, POSES_PER_PAIR, |placement| {
             tried += 1;
-            let score = scorer.sum(&placement, &self.cloud, 0..first, COARSE);
+            let mut score = scorer.sum(&placement, &self.cloud, 0..first, COARSE);
+            if score <= least {
+                return;
+            }
+            score += scorer.sum(&placement, &self.cloud, first..second, COARSE);
             if score > needed {
-                let score = score + scorer.sum(&placement, &self.cloud, first..second, COARSE);
+                score += scorer.sum(&placement, &self.cloud, second..third, COARSE);
                 scored.push((score, placement));
             }
         });
@@ -209,7 +214,7 @@ impl<'a> Run<'a> {
         let best = distinct(scored, 2.0 * SAME, self.radius, IMPROVED);
         let (refine_count, score_count) = (REFINE_POINTS.min(self.cloud.len()), SCORE_POINTS.min(self.cloud.len()));
         let scorer = &self.start.scorer;
-        let improved = parallel::map(best.len(), 1, |k| {
+        let improved = parallel::tasks(best.len(), |k| {
             let placement = refine(best[k].1, scorer, &self.cloud, refine_count, 2);
             let score = scorer.sum(&placement, &self.cloud, 0..score_count, MEDIUM);
             (score / score_count.max(1) as f64, placement)
@@ -223,7 +228,7 @@ impl<'a> Run<'a> {
         let (scorer, options) = (&self.start.scorer, &self.start.options);
         let all = self.cloud.len();
         let entries = &self.pool.entries[..self.pool.entries.len().min(2 * options.candidates)];
-        let polished = parallel::map(entries.len(), 1, |k| {
+        let polished = parallel::tasks(entries.len(), |k| {
             let placement = refine(entries[k].placement, scorer, &self.cloud, all, 8);
             (scorer.sum(&placement, &self.cloud, 0..all, options.tolerance.min(REACH)) / all as f64, placement)
         });
@@ -254,6 +259,10 @@ impl<'a> Run<'a> {
         };
         StartReport { status, candidates, free_motions: free, rounds: self.rounds, tried: self.tried }
     }
+}
+
+fn too_few(points: &OrientedPoints) -> Error {
+    Error::TooFewPoints { total: points.len() + points.dropped(), finite: points.len(), needed: FEWEST }
 }
 
 /// The median of each coordinate.

@@ -118,7 +118,7 @@ impl ViewsOptions {
             ("tolerance", self.tolerance, self.tolerance >= 0.0, "[0, ∞)"),
         ] {
             if !inside {
-                return Err(Error::InvalidOption { name, value, range });
+                return Err(Error::Option { name, value, allowed: range });
             }
         }
         Ok(())

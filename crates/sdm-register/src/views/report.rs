@@ -2,7 +2,9 @@
 
 use std::fmt;
 
-use nalgebra::{Isometry3, Matrix6};
+use nalgebra::{Matrix6, Vector3};
+
+use crate::Pose;
 
 /// How the registration ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -57,9 +59,10 @@ impl fmt::Display for ViewsStatus {
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct ViewReport {
     /// Maps the view into the common frame.
-    pub pose: Isometry3<f64>,
+    pub pose: Pose<3>,
     /// Covariance of a small motion `v(x) = c̄ + c × (x − m)` of the view, in the order `(c, c̄)`, with `m` the centre of all
     /// views ([`ViewsReport::centre`]): `σ̂² (JᵀJ)⁻¹`. Zero for the view that is held; `None` where it is not known.
+    #[cfg_attr(feature = "serde", serde(serialize_with = "optional_matrix"))]
     pub covariance: Option<Matrix6<f64>>,
     /// The component the view belongs to.
     pub component: usize,
@@ -110,7 +113,8 @@ pub struct ViewsReport {
     /// The views that hang together, each component in increasing order; the first view of each is held.
     pub components: Vec<Vec<usize>>,
     /// The centre to which covariances refer.
-    pub centre: nalgebra::Vector3<f64>,
+    #[cfg_attr(feature = "serde", serde(serialize_with = "crate::report::as_slice"))]
+    pub centre: Vector3<f64>,
     /// Root mean square distance over all matched points at the end.
     pub rms: f64,
     /// The steps.
@@ -130,4 +134,9 @@ impl fmt::Display for ViewsReport {
             self.rms
         )
     }
+}
+
+#[cfg(feature = "serde")]
+fn optional_matrix<S: serde::Serializer>(matrix: &Option<Matrix6<f64>>, serializer: S) -> Result<S::Ok, S::Error> {
+    serde::Serialize::serialize(&matrix.as_ref().map(Matrix6::as_slice), serializer)
 }

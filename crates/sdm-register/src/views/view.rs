@@ -29,10 +29,10 @@ impl View {
     /// A scan with normals of any length. Points or normals that are not finite are left out.
     ///
     /// # Errors
-    /// [`Error::LengthMismatch`] if there is not one normal per point.
+    /// [`Error::Length`] if there is not one normal per point.
     pub fn with_normals(points: &[Vector3<f64>], normals: &[Vector3<f64>]) -> Result<Self, Error> {
         if points.len() != normals.len() {
-            return Err(Error::LengthMismatch { what: "normals", found: normals.len(), expected: points.len() });
+            return Err(Error::Length { what: "normals", found: normals.len(), points: points.len() });
         }
         let finite = |x: &Vector3<f64>| x.iter().all(|c| c.is_finite());
         let (kept, normals): (Vec<_>, Vec<_>) =
@@ -43,7 +43,7 @@ impl View {
     /// The points of a cloud, with its normals if it has some.
     ///
     /// # Errors
-    /// [`Error::LengthMismatch`] if there is not one normal per point.
+    /// [`Error::Length`] if there is not one normal per point.
     pub fn from_cloud(cloud: &PointCloud) -> Result<Self, Error> {
         let points: Vec<_> = cloud.positions().iter().map(|x| x.coords).collect();
         match cloud.attributes().normals() {
@@ -115,6 +115,7 @@ pub(crate) struct Prepared {
     /// Indices of the points that are matched with other views, in random order: a part of them is a fair choice.
     pub(crate) sample: Vec<usize>,
     pub(crate) radius: f64,
+    pub(crate) bounds: Aabb<3>,
 }
 
 impl Prepared {
@@ -128,10 +129,11 @@ impl Prepared {
     ) -> Result<Self, Error> {
         let points: Vec<Point3<f64>> = view.points.iter().map(|x| Point3::from((x - centre) / scale)).collect();
         let index = CloudIndex::new(&points)
-            .map_err(|_| Error::LengthMismatch { what: "points", found: points.len(), expected: u32::MAX as usize })?;
+            .map_err(|_| Error::Length { what: "indices", found: u32::MAX as usize, points: points.len() })?;
         let mut order: Vec<usize> = (0..points.len()).collect();
         Random::new(seed).shuffle_front(&mut order, sample);
         order.truncate(sample);
+        let bounds = points.iter().fold(Aabb::of_point(Vector3::zeros()), |bounds, x| bounds.with_point(&x.coords));
         let radius = points.iter().map(|x| x.coords.norm()).fold(0.0, f64::max);
         Ok(Self {
             normals: view.normals.clone(),
@@ -142,6 +144,7 @@ impl Prepared {
             points,
             sample: order,
             radius,
+            bounds,
         })
     }
 
@@ -159,7 +162,7 @@ impl Prepared {
     pub(crate) fn fit(&mut self, wanted: impl Iterator<Item = usize>) {
         let missing: BTreeSet<usize> = wanted.filter(|&index| !self.fitted[index]).collect();
         let missing: Vec<usize> = missing.into_iter().collect();
-        let surfaces = parallel::map(missing.len(), 64, |k| self.fit_one(missing[k]));
+        let surfaces = parallel::tasks(missing.len(), |k| self.fit_one(missing[k]));
         for (index, surface) in missing.into_iter().zip(surfaces) {
             self.surfaces[index] = surface;
             self.fitted[index] = true;
