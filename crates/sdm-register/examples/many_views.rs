@@ -44,6 +44,11 @@ fn main() -> Result<(), sdm_register::Error> {
                     register_views_from(&views, &options, &no_progress)?
                 };
                 let seconds = clock.elapsed().as_secs_f64();
+                if std::env::args().any(|argument| argument == "--history") {
+                    for step in &report.history {
+                        println!("{step:?}");
+                    }
+                }
                 let poses: Vec<Pose<3>> = report.views.iter().map(|view| view.pose).collect();
                 println!(
                     "{count:>7} {noise:>8.0e} {degrees:>8} {:>8} {:>10.2e} {:>10.2e} {:>6} {seconds:>8.3}  {}{}",

@@ -48,7 +48,7 @@ fn finds_any_rotation_of_a_whole_scan_a_part_and_among_outliers() {
             let error = error(&best.pose, &motion, &points[..inliers]);
             assert!(error < 0.01, "{name}: {error}, {report}");
             assert_eq!(report.status, StartStatus::Found, "{name}: {report}");
-            assert!(best.share > 0.9 * (1.0 - outliers), "{name}: {report}");
+            assert!(best.share > 0.8 * (1.0 - outliers), "{name}: {report}");
         }
     }
 }

@@ -5,28 +5,36 @@ use nalgebra::{Matrix6, Vector3, Vector6};
 use super::{OrientedPoints, placement::Placement, score::Scorer};
 
 /// Eigenvalues of the normal matrix below this share of its mean count as free motions of the shape.
-const FREE_SHARE: f64 = 1e-3;
+const FREE_SHARE: f64 = 3e-3;
 
-/// Distance limits of the steps, coarse to fine.
-const LIMITS: [f64; 14] =
-    [0.06, 0.06, 0.06, 0.05, 0.05, 0.04, 0.04, 0.03, 0.03, 0.025, 0.02, 0.02, 0.015, 0.015];
+/// Distance limits of the first steps; the later ones are smaller by this factor each, down to the finest.
+const LIMITS: [f64; 7] = [0.06, 0.06, 0.06, 0.05, 0.05, 0.04, 0.04];
+const SHRINK: f64 = 0.85;
 
-/// Gauss-Newton steps for distances to tangent planes with Tukey's weights; `rounds` at the finest limit follow.
+/// Most steps at the finest limit.
+const ROUNDS: usize = 3;
+
+/// Gauss-Newton steps for distances to tangent planes with Tukey's weights, down to the distance limit `finest`.
 pub(crate) fn refine(
     mut placement: Placement,
     scorer: &Scorer,
     cloud: &OrientedPoints,
     count: usize,
-    rounds: usize,
+    finest: f64,
 ) -> Placement {
-    let finest = LIMITS[LIMITS.len() - 1];
-    for limit in LIMITS.into_iter().chain(std::iter::repeat_n(finest, rounds)) {
+    let (mut step_count, mut limit, mut rounds) = (0, LIMITS[0], 0);
+    while rounds < ROUNDS {
         let (matrix, rhs) = normal_equations(&placement, scorer, cloud, count, limit);
         let Some((step, size)) = solve(matrix, &rhs) else { return placement };
         placement = placement.moved(step.fixed_rows::<3>(0).into(), step.fixed_rows::<3>(3).into());
-        if limit <= finest && size < 1e-7 {
-            break;
+        if limit <= finest {
+            rounds += 1;
+            if size < 1e-6 {
+                break;
+            }
         }
+        step_count += 1;
+        limit = LIMITS.get(step_count).copied().unwrap_or(limit * SHRINK).max(finest);
     }
     placement
 }
@@ -61,7 +69,8 @@ fn normal_equations(
         let Some(contact) = scorer.contact(&x, &(placement.rotation * cloud.normals()[index])) else { continue };
         let inside = 1.0 - contact.distance_sq * per_limit_sq;
         if inside > 0.0 {
-            let arm = x.cross(&contact.normal);
+            // The arm of the foot, not of the point beside it: it vanishes where the shape slides along itself.
+            let arm = contact.foot.cross(&contact.normal);
             let n = contact.normal;
             let row = Vector6::new(arm.x, arm.y, arm.z, n.x, n.y, n.z);
             let weighted = row * (inside * inside);

@@ -20,6 +20,7 @@ pub(crate) struct Contact {
     pub(crate) height: f64,
     /// Square of the distance: of the height, and of the way along the surface beyond what the samples explain.
     pub(crate) distance_sq: f64,
+    pub(crate) foot: Vector3<f64>,
     pub(crate) normal: Vector3<f64>,
 }
 
@@ -44,7 +45,8 @@ impl Scorer {
     #[inline]
     pub(crate) fn contact(&self, x: &Vector3<f64>, normal: &Vector3<f64>) -> Option<Contact> {
         let index = self.grid.nearest(x)?;
-        let offset = x - self.samples.points()[index];
+        let foot = self.samples.points()[index];
+        let offset = x - foot;
         let found = self.samples.normals()[index];
         let cosine = found.dot(normal);
         if (if self.oriented { cosine } else { cosine.abs() }) < NORMAL_COSINE {
@@ -52,7 +54,7 @@ impl Scorer {
         }
         let height = found.dot(&offset);
         let beyond = (offset.norm_squared() - height * height - self.lateral_sq).max(0.0);
-        Some(Contact { height, distance_sq: height * height + beyond, normal: found })
+        Some(Contact { height, distance_sq: height * height + beyond, foot, normal: found })
     }
 
     /// `Σ max(0, 1 − d²/τ²)` over the points of the given range, `τ` being the `limit`.

@@ -35,6 +35,9 @@ const IMPROVED: usize = 16;
 const COARSE: f64 = 0.05;
 const MEDIUM: f64 = 0.025;
 
+/// Distance limit down to which poses are improved before they are ranked the first time.
+const FINE: f64 = 0.015;
+
 /// The search ends when its best pose was met in this many rounds.
 const VOTES: usize = 3;
 
@@ -81,7 +84,7 @@ impl CoarseStart {
             return Err(Error::Collinear { width: 0.0, length: scale }.of("model"));
         }
         let mut random = Random::new(options.seed);
-        let samples = model.scaled(&thin(model.points(), scale / 40.0, MODEL_POINTS, &mut random), &centre, scale);
+        let samples = model.scaled(&thin(model.points(), scale / 16.0, MODEL_POINTS, &mut random), &centre, scale);
         let few: Vec<usize> = (0..samples.len().min(PAIR_POINTS)).collect();
         let (table, scorer) = (
             PairTable::new(samples.scaled(&few, &Vector3::zeros(), 1.0), options.oriented),
@@ -101,7 +104,7 @@ impl CoarseStart {
             return Err(too_few(cloud).of("cloud"));
         }
         let mut random = Random::new(self.options.seed.wrapping_add(1));
-        let kept = thin(cloud.points(), self.scale / 40.0, CLOUD_POINTS, &mut random);
+        let kept = thin(cloud.points(), self.scale / 16.0, CLOUD_POINTS, &mut random);
         let centre = median(&kept.iter().map(|&i| cloud.points()[i]).collect::<Vec<_>>());
         let cloud = cloud.scaled(&kept, &centre, self.scale);
         let mut run = Run::new(self, cloud, random)?;
@@ -215,7 +218,7 @@ impl<'a> Run<'a> {
         let (refine_count, score_count) = (REFINE_POINTS.min(self.cloud.len()), SCORE_POINTS.min(self.cloud.len()));
         let scorer = &self.start.scorer;
         let improved = parallel::tasks(best.len(), |k| {
-            let placement = refine(best[k].1, scorer, &self.cloud, refine_count, 2);
+            let placement = refine(best[k].1, scorer, &self.cloud, refine_count, FINE);
             let score = scorer.sum(&placement, &self.cloud, 0..score_count, MEDIUM);
             (score / score_count.max(1) as f64, placement)
         });
@@ -229,7 +232,7 @@ impl<'a> Run<'a> {
         let all = self.cloud.len();
         let entries = &self.pool.entries[..self.pool.entries.len().min(2 * options.candidates)];
         let polished = parallel::tasks(entries.len(), |k| {
-            let placement = refine(entries[k].placement, scorer, &self.cloud, all, 8);
+            let placement = refine(entries[k].placement, scorer, &self.cloud, all, options.tolerance);
             (scorer.sum(&placement, &self.cloud, 0..all, options.tolerance.min(REACH)) / all as f64, placement)
         });
         let ranked = distinct(polished.clone(), 0.5 * SAME, self.radius, options.candidates);

@@ -10,6 +10,9 @@ use crate::{Error, Pose};
 /// The least score with which a pair counts: the mean over the points of a view that the other one covers only partly.
 const LEAST_SCORE: f64 = 0.15;
 
+/// Distance up to which points count: small, since parts of smooth shapes fit others roughly in many ways.
+const TOLERANCE: f64 = 0.004;
+
 /// Poses in the frame of the first view, by a tree of the pairs that fit best. Views that fit none keep their frames.
 pub(crate) fn initial_poses(
     views: &[View],
@@ -20,7 +23,7 @@ pub(crate) fn initial_poses(
     let start_options = StartOptions::default()
         .with_seed(options.seed)
         .with_oriented(options.oriented)
-        .with_candidates(1)
+        .with_tolerance(TOLERANCE)
         .with_max_rounds(20);
     let mut links = Vec::new();
     let total = views.len() * (views.len() - 1) / 2;

@@ -6,31 +6,31 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 use sdm_register::Pose;
 
 /// Random numbers that are the same on every run.
-pub struct Random(pub u64);
+pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
-    pub fn unit(&mut self) -> f64 {
+    pub(crate) fn unit(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         let mixed = (self.0 ^ (self.0 >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
         (mixed >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    pub fn gauss(&mut self) -> f64 {
+    pub(crate) fn gauss(&mut self) -> f64 {
         (-2.0 * (1.0 - self.unit()).ln()).sqrt() * (std::f64::consts::TAU * self.unit()).cos()
     }
 
-    pub fn vector(&mut self) -> Vector3<f64> {
+    pub(crate) fn vector(&mut self) -> Vector3<f64> {
         Vector3::from_fn(|_, _| self.gauss())
     }
 
     /// A rotation drawn evenly from all.
-    pub fn rotation(&mut self) -> Matrix3<f64> {
+    pub(crate) fn rotation(&mut self) -> Matrix3<f64> {
         let q = nalgebra::Quaternion::new(self.gauss(), self.gauss(), self.gauss(), self.gauss());
         nalgebra::UnitQuaternion::new_normalize(q).to_rotation_matrix().into_inner()
     }
 
     /// A rotation by `angle` about a random axis, and a shift of length `shift`.
-    pub fn motion(&mut self, angle: f64, shift: f64) -> Pose<3> {
+    pub(crate) fn motion(&mut self, angle: f64, shift: f64) -> Pose<3> {
         let axis = self.vector().normalize();
         let turn = Rotation3::from_scaled_axis(axis * angle).into_inner();
         Pose::new(turn, self.vector().normalize() * shift)
@@ -38,13 +38,13 @@ impl Random {
 }
 
 /// A star-shaped body with smooth bumps and no symmetry: `|x| = 1 + Σ aₖ sin(⟨bₖ, x/|x|⟩ + cₖ)`, about 2 in diameter.
-pub struct Bumpy {
+pub(crate) struct Bumpy {
     waves: Vec<(f64, Vector3<f64>, f64)>,
     stretch: Vector3<f64>,
 }
 
 impl Bumpy {
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let mut random = Random(11);
         let waves = (0..6).map(|k| {
             let b = random.vector().normalize() * (2.0 + 0.8 * f64::from(k));
@@ -54,7 +54,7 @@ impl Bumpy {
     }
 
     /// The point in the direction `d` (a unit vector) before stretching, and the outer unit normal.
-    pub fn point(&self, d: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
+    pub(crate) fn point(&self, d: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
         let (mut radius, mut slope) = (1.0, Vector3::zeros());
         for (a, b, c) in &self.waves {
             radius += a * (b.dot(d) + c).sin();
@@ -67,7 +67,7 @@ impl Bumpy {
     }
 
     /// `count` random points with their normals, among those that face the direction `towards` within the angle.
-    pub fn view(
+    pub(crate) fn view(
         &self,
         towards: Option<(Vector3<f64>, f64)>,
         count: usize,
@@ -90,18 +90,18 @@ impl Bumpy {
 }
 
 /// Six views of the bumpy body from the directions of a cube's faces, each in a frame of its own.
-pub struct SixViews {
-    pub points: Vec<Vec<Vector3<f64>>>,
-    pub normals: Vec<Vec<Vector3<f64>>>,
+pub(crate) struct SixViews {
+    pub(crate) points: Vec<Vec<Vector3<f64>>>,
+    pub(crate) normals: Vec<Vec<Vector3<f64>>>,
     /// Map the views to where they belong.
-    pub truth: Vec<Pose<3>>,
+    pub(crate) truth: Vec<Pose<3>>,
     /// The same, disturbed; the first is exact.
-    pub initial: Vec<Pose<3>>,
-    pub diameter: f64,
+    pub(crate) initial: Vec<Pose<3>>,
+    pub(crate) diameter: f64,
 }
 
 impl SixViews {
-    pub fn new(count: usize, noise: f64, angle: f64, seed: u64) -> Self {
+    pub(crate) fn new(count: usize, noise: f64, angle: f64, seed: u64) -> Self {
         let (body, mut random) = (Bumpy::new(), Random(seed));
         let mut out =
             Self { points: vec![], normals: vec![], truth: vec![], initial: vec![], diameter: 2.0 };
@@ -121,7 +121,7 @@ impl SixViews {
     }
 
     /// Root mean square distance of the points from where they belong, in diameters, when the first view is laid on its truth.
-    pub fn error(&self, poses: &[Pose<3>]) -> f64 {
+    pub(crate) fn error(&self, poses: &[Pose<3>]) -> f64 {
         let fix = poses[0].inverse().followed_by(&self.truth[0]);
         let (mut sum, mut count) = (0.0, 0);
         for (view, points) in self.points.iter().enumerate() {
