@@ -164,7 +164,8 @@ struct Trial<const D: usize> {
 impl<const D: usize> Run<'_, D> {
     fn refresh_weights(&mut self) {
         self.base = self.view.base_weights(self.stage.cloud, &self.stage.rejection);
-        let mut distances = if self.stage.rule.adapts() { self.view.distances(&self.base) } else { Vec::new() };
+        let mut distances =
+            if self.stage.rule.adapts() { self.view.distances(&self.base) } else { Vec::new() };
         self.weighting = self.stage.rule.weighting(&mut distances);
     }
 
@@ -184,7 +185,8 @@ impl<const D: usize> Run<'_, D> {
         if self.stage.method == Method::Adaptive {
             name = if newton { "newton" } else { self.stage.method.term().name() };
         }
-        let mut trial = self.search(&models, if newton { models.newton.as_ref().map(|n| &n.1) } else { None });
+        let mut trial =
+            self.search(&models, if newton { models.newton.as_ref().map(|n| &n.1) } else { None });
         if trial.is_none() && newton && self.stage.method == Method::Adaptive {
             self.damping = 0.0;
             name = self.stage.method.term().name();
@@ -320,7 +322,8 @@ impl<const D: usize> Run<'_, D> {
                         return Some(trial);
                     }
                     self.damping = (self.damping * 10.0).max(DAMPING[0]);
-                    if self.damping > DAMPING[1] || newton.is_some() && self.stage.method == Method::Adaptive {
+                    if self.damping > DAMPING[1] || newton.is_some() && self.stage.method == Method::Adaptive
+                    {
                         return None;
                     }
                 }

@@ -5,7 +5,9 @@ mod common;
 use common::{Bumpy, Random};
 use footpoint::no_progress;
 use nalgebra::Vector3;
-use sdm_register::start::{CoarseStart, OrientedPoints, StartMethod, StartOptions, StartStatus, coarse_start};
+use sdm_register::start::{
+    CoarseStart, OrientedPoints, StartMethod, StartOptions, StartStatus, coarse_start,
+};
 use sdm_register::{Error, Pose};
 use std::ops::ControlFlow;
 
@@ -15,7 +17,12 @@ fn model() -> OrientedPoints {
 }
 
 /// Points moved by a pose, normals with random signs.
-fn moved(points: &[Vector3<f64>], normals: &[Vector3<f64>], pose: &Pose<3>, random: &mut Random) -> OrientedPoints {
+fn moved(
+    points: &[Vector3<f64>],
+    normals: &[Vector3<f64>],
+    pose: &Pose<3>,
+    random: &mut Random,
+) -> OrientedPoints {
     let x: Vec<_> = points.iter().map(|x| pose.apply(x)).collect();
     let n: Vec<_> =
         normals.iter().map(|n| pose.rotate(n) * if random.unit() < 0.5 { -1.0 } else { 1.0 }).collect();

@@ -5,7 +5,9 @@ mod common;
 use common::SixViews;
 use footpoint::no_progress;
 use nalgebra::Vector3;
-use sdm_register::views::{View, ViewsOptions, ViewsReport, ViewsStatus, register_views, register_views_from};
+use sdm_register::views::{
+    View, ViewsOptions, ViewsReport, ViewsStatus, register_views, register_views_from,
+};
 use sdm_register::{Error, Pose};
 use std::ops::ControlFlow;
 
@@ -92,7 +94,8 @@ fn tells_which_views_hang_loose() {
 #[test]
 fn planes_stay_where_nothing_holds_them() {
     let mut random = common::Random(9);
-    let mut plane = || View::new(&(0..800).map(|_| Vector3::new(random.unit(), random.unit(), 0.0)).collect::<Vec<_>>());
+    let mut plane =
+        || View::new(&(0..800).map(|_| Vector3::new(random.unit(), random.unit(), 0.0)).collect::<Vec<_>>());
     let both = [plane(), plane()];
     let tilt = common::Random(3).motion(0.05, 0.02);
     let report =
@@ -100,14 +103,18 @@ fn planes_stay_where_nothing_holds_them() {
     assert_eq!(report.status, ViewsStatus::Underdetermined);
     let pose = report.views[1].pose;
     assert!(pose.rotate(&Vector3::z()).xy().norm() < 1e-6);
-    assert!(pose.is_finite() && (pose.apply(&Vector3::repeat(0.5)) - tilt.apply(&Vector3::repeat(0.5))).norm() < 0.1);
+    assert!(
+        pose.is_finite()
+            && (pose.apply(&Vector3::repeat(0.5)) - tilt.apply(&Vector3::repeat(0.5))).norm() < 0.1
+    );
 }
 
 #[test]
 fn bad_input_is_an_error_and_cancelling_a_status() {
     let six = SixViews::new(300, 0.0, 0.05, 5);
     let mut all = views(&six);
-    let cancelled = register_views(&all, &six.initial, &ViewsOptions::default(), &|_, _| ControlFlow::Break(()));
+    let cancelled =
+        register_views(&all, &six.initial, &ViewsOptions::default(), &|_, _| ControlFlow::Break(()));
     assert_eq!(cancelled.unwrap().status, ViewsStatus::Cancelled);
     let wrong = register_views(&all, &six.initial[..5], &ViewsOptions::default(), &no_progress);
     assert!(matches!(wrong, Err(Error::Length { found: 5, .. })));
@@ -127,7 +134,7 @@ fn bad_input_is_an_error_and_cancelling_a_status() {
 
 #[test]
 fn finds_the_poses_without_a_start() {
-    let six = SixViews::new(1500, 0.0, 0.1, 6);
+    let six = SixViews::seeing(1.5, 1500, 0.0, 0.1, 6);
     let report = register_views_from(&views(&six), &ViewsOptions::default(), &no_progress).unwrap();
     let error = six.error(&poses(&report));
     assert_eq!(report.status, ViewsStatus::Converged, "{report}");

@@ -65,7 +65,8 @@ impl Case {
     pub(crate) fn cloud(&self, random: &mut Generator) -> (Vec<Vector3<f64>>, Vec<Vector3<f64>>, usize) {
         let Damage { missing, outliers, noise } = self.damage;
         let direction = random.gauss_vector().normalize();
-        let mut heights: Vec<f64> = self.source.points()[..self.core].iter().map(|x| x.dot(&direction)).collect();
+        let mut heights: Vec<f64> =
+            self.source.points()[..self.core].iter().map(|x| x.dot(&direction)).collect();
         heights.sort_by(f64::total_cmp);
         let cut = heights[((heights.len() - 1) as f64 * missing) as usize];
         let (mut points, mut normals) = (Vec::new(), Vec::new());

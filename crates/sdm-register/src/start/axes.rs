@@ -57,9 +57,10 @@ pub(crate) fn candidates(cloud: &OrientedPoints, model: &OrientedPoints) -> Vec<
         [false, false] => halves,
         [true, false] => product(&turn(Vector3::z(), TURNS), &about_x),
         [false, true] => product(&turn(Vector3::x(), TURNS), &about_z),
-        [true, true] => {
-            product(&product(&turn(Vector3::z(), TURNS), &turn(Vector3::x(), TURNS / 2)), &turn(Vector3::z(), TURNS))
-        }
+        [true, true] => product(
+            &product(&turn(Vector3::z(), TURNS), &turn(Vector3::x(), TURNS / 2)),
+            &turn(Vector3::z(), TURNS),
+        ),
     };
     rotations
         .into_iter()

@@ -70,7 +70,10 @@ impl SampleGrid {
     }
 
     #[inline]
-    #[allow(clippy::cast_possible_truncation, reason = "far outside the grid is outside however it is rounded")]
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "far outside the grid is outside however it is rounded"
+    )]
     fn cell_of(&self, x: &Vector3<f64>) -> [isize; 3] {
         let local = (x - self.origin) * self.per_cell;
         [local.x.floor() as isize, local.y.floor() as isize, local.z.floor() as isize]

@@ -217,7 +217,10 @@ mod tests {
         let points = [Vector3::x(), Vector3::repeat(f64::NAN), Vector3::y(), Vector3::z()];
         let normals = [Vector3::z() * 5.0, Vector3::z(), Vector3::zeros(), Vector3::repeat(f64::INFINITY)];
         let samples = OrientedPoints::new(&points, &normals).unwrap();
-        assert_eq!((samples.points(), samples.normals()), ([Vector3::x()].as_slice(), [Vector3::z()].as_slice()));
+        assert_eq!(
+            (samples.points(), samples.normals()),
+            ([Vector3::x()].as_slice(), [Vector3::z()].as_slice())
+        );
         assert!(OrientedPoints::new(&points, &normals[..2]).is_err());
         assert!(OrientedPoints::from_surfaces(&[], 10).is_empty());
     }

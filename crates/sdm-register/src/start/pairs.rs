@@ -45,7 +45,12 @@ impl Pair {
             }
         }
         let length = (distance - SHORTEST) / (LONGEST - SHORTEST) * DISTANCE_BINS as f64;
-        Some(Self { middle: (points[0] + points[1]) * 0.5, direction, normals, feature: [length, 0.0, 0.0, 0.0] })
+        Some(Self {
+            middle: (points[0] + points[1]) * 0.5,
+            direction,
+            normals,
+            feature: [length, 0.0, 0.0, 0.0],
+        })
     }
 
     /// The pair with its angles.

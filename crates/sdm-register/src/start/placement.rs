@@ -34,14 +34,16 @@ impl Placement {
     /// The placement moved on by the rotation vector and the translation of a twist.
     pub(crate) fn moved(&self, rotation: Vector3<f64>, translation: Vector3<f64>) -> Self {
         let turn = Rotation3::from_scaled_axis(rotation);
-        Self {
-            rotation: turn.matrix() * self.rotation,
-            shift: turn * self.shift + translation,
-        }
+        Self { rotation: turn.matrix() * self.rotation, shift: turn * self.shift + translation }
     }
 
     /// The pose between the files' frames, if the scaled ones are `(x − centre) / scale`.
-    pub(crate) fn to_pose(self, cloud_centre: &Vector3<f64>, model_centre: &Vector3<f64>, scale: f64) -> Pose<3> {
+    pub(crate) fn to_pose(
+        self,
+        cloud_centre: &Vector3<f64>,
+        model_centre: &Vector3<f64>,
+        scale: f64,
+    ) -> Pose<3> {
         Pose {
             scale: 1.0,
             rotation: orthonormalized(&self.rotation),

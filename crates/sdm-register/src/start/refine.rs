@@ -66,7 +66,9 @@ fn normal_equations(
     let per_limit_sq = 1.0 / (limit * limit);
     for index in 0..count {
         let x: Vector3<f64> = placement.apply(&cloud.points()[index]);
-        let Some(contact) = scorer.contact(&x, &(placement.rotation * cloud.normals()[index])) else { continue };
+        let Some(contact) = scorer.contact(&x, &(placement.rotation * cloud.normals()[index])) else {
+            continue;
+        };
         let inside = 1.0 - contact.distance_sq * per_limit_sq;
         if inside > 0.0 {
             // The arm of the foot, not of the point beside it: it vanishes where the shape slides along itself.

@@ -15,7 +15,7 @@ use crate::{Error, parallel};
 
 /// Points of the model that score, that make pairs, and the fewest that make a shape.
 const MODEL_POINTS: usize = 20_000;
-const PAIR_POINTS: usize = 700;
+const PAIR_POINTS: usize = 900;
 const FEWEST: usize = 3;
 
 /// Points of the cloud: all in all, for improving, for scoring what was improved, and for a first, a second and a third look.
@@ -29,7 +29,7 @@ const THIRD_LOOK: usize = 128;
 /// Pairs per round, poses per pair, poses that are improved per round.
 const PAIRS: usize = 100;
 const POSES_PER_PAIR: usize = 300;
-const IMPROVED: usize = 16;
+const IMPROVED: usize = 24;
 
 /// Distance limit while poses are coarse, and for the ranking of improved ones.
 const COARSE: f64 = 0.05;
@@ -84,7 +84,8 @@ impl CoarseStart {
             return Err(Error::Collinear { width: 0.0, length: scale }.of("model"));
         }
         let mut random = Random::new(options.seed);
-        let samples = model.scaled(&thin(model.points(), scale / 16.0, MODEL_POINTS, &mut random), &centre, scale);
+        let samples =
+            model.scaled(&thin(model.points(), scale / 16.0, MODEL_POINTS, &mut random), &centre, scale);
         let few: Vec<usize> = (0..samples.len().min(PAIR_POINTS)).collect();
         let (table, scorer) = (
             PairTable::new(samples.scaled(&few, &Vector3::zeros(), 1.0), options.oriented),
@@ -111,7 +112,8 @@ impl CoarseStart {
         if self.options.method != StartMethod::PointPairs {
             run.try_axes();
         }
-        let rounds = if self.options.method == StartMethod::PrincipalAxes { 0 } else { self.options.max_rounds };
+        let rounds =
+            if self.options.method == StartMethod::PrincipalAxes { 0 } else { self.options.max_rounds };
         let mut cancelled = false;
         for round in 1..=rounds {
             if progress(round - 1, rounds).is_break() {
@@ -192,10 +194,13 @@ impl<'a> Run<'a> {
 
     /// The best poses by one pair, and how many were tried.
     fn poses_of(&self, pair: [usize; 2]) -> (usize, Vec<(f64, Placement)>) {
-        let [first, second, third] = [FIRST_LOOK, SECOND_LOOK, THIRD_LOOK].map(|count| count.min(self.cloud.len()));
+        let [first, second, third] =
+            [FIRST_LOOK, SECOND_LOOK, THIRD_LOOK].map(|count| count.min(self.cloud.len()));
         let scorer = &self.start.scorer;
         // Few points tell little, so they are asked for less.
-        let (least, needed) = (0.25 * self.best_rate * first as f64, 0.5 * self.best_rate * second as f64);
+        // A rough fit of much of the cloud must not hide an exact fit of a small part.
+        let rate = self.best_rate.min(2.0 * self.start.options.min_share);
+        let (least, needed) = (0.25 * rate * first as f64, 0.5 * rate * second as f64);
         let (mut tried, mut scored) = (0, Vec::new());
         self.start.table.matches(&self.cloud, pair, POSES_PER_PAIR, |placement| {
             tried += 1;
@@ -215,7 +220,8 @@ impl<'a> Run<'a> {
     /// Improves the best of scored poses and adds them to the pool.
     fn improve(&mut self, scored: Vec<(f64, Placement)>, method: StartMethod, round: usize) {
         let best = distinct(scored, 2.0 * SAME, self.radius, IMPROVED);
-        let (refine_count, score_count) = (REFINE_POINTS.min(self.cloud.len()), SCORE_POINTS.min(self.cloud.len()));
+        let (refine_count, score_count) =
+            (REFINE_POINTS.min(self.cloud.len()), SCORE_POINTS.min(self.cloud.len()));
         let scorer = &self.start.scorer;
         let improved = parallel::tasks(best.len(), |k| {
             let placement = refine(best[k].1, scorer, &self.cloud, refine_count, FINE);
@@ -233,7 +239,10 @@ impl<'a> Run<'a> {
         let entries = &self.pool.entries[..self.pool.entries.len().min(2 * options.candidates)];
         let polished = parallel::tasks(entries.len(), |k| {
             let placement = refine(entries[k].placement, scorer, &self.cloud, all, options.tolerance);
-            (scorer.sum(&placement, &self.cloud, 0..all, options.tolerance.min(REACH)) / all as f64, placement)
+            (
+                scorer.sum(&placement, &self.cloud, 0..all, options.tolerance.min(REACH)) / all as f64,
+                placement,
+            )
         });
         let ranked = distinct(polished.clone(), 0.5 * SAME, self.radius, options.candidates);
         let mut candidates = Vec::new();

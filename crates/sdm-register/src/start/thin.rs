@@ -7,7 +7,7 @@ use super::random::Random;
 /// Up to `count` indices in random order, in which no place is preferred for being densely scanned.
 ///
 /// A point stays with a probability inversely proportional to the number of points in its cell of the given side. Cells
-/// with fewer points than the median count as median, so that scattered outliers gain nothing.
+/// with fewer points than most count as most do, so that scattered outliers gain nothing.
 pub(crate) fn thin(points: &[Vector3<f64>], cell: f64, count: usize, random: &mut Random) -> Vec<usize> {
     let mut indices: Vec<usize> = (0..points.len()).collect();
     let considered = (20 * count).min(points.len());
@@ -24,21 +24,22 @@ pub(crate) fn thin(points: &[Vector3<f64>], cell: f64, count: usize, random: &mu
             _ => cells.push((key, 1)),
         }
     }
-    // The median over the points, not over the cells: lonely outliers may have most of the cells.
+    // Over the points, not over the cells: lonely outliers may have most of the cells. And above the median, since they may
+    // be half of the points.
     let mut members: Vec<usize> = cells.iter().map(|cell| cell.1).collect();
     members.sort_unstable();
     let mut seen = 0;
-    let median = members.iter().find(|&&m| {
+    let usual = members.iter().find(|&&m| {
         seen += m;
-        2 * seen >= indices.len()
+        100 * seen >= 65 * indices.len()
     });
-    let median = median.copied().unwrap_or(1);
+    let usual = usual.copied().unwrap_or(1);
     let population = |index: usize| {
         let found = cells.binary_search_by(|(other, _)| lexicographic(other, &key(index)));
         found.map_or(1, |at| cells[at].1)
     };
     let mut kept: Vec<usize> =
-        indices.iter().copied().filter(|&i| random.unit() * population(i) as f64 <= median as f64).collect();
+        indices.iter().copied().filter(|&i| random.unit() * population(i) as f64 <= usual as f64).collect();
     kept.truncate(count);
     kept
 }
@@ -58,7 +59,8 @@ mod tests {
         let mut points: Vec<_> = (0..11_000)
             .map(|i| Vector3::new(if i % 11 == 0 { 1.0 } else { 0.0 } + random.unit(), random.unit(), 0.0))
             .collect();
-        points.extend((0..500).map(|_| Vector3::new(random.unit(), random.unit(), 1.0 + random.unit()) * 3.0));
+        points
+            .extend((0..500).map(|_| Vector3::new(random.unit(), random.unit(), 1.0 + random.unit()) * 3.0));
         let kept = thin(&points, 0.1, 100_000, &mut random);
         let lonely = kept.iter().filter(|&&i| points[i].z > 0.0).count();
         let right = kept.iter().filter(|&&i| points[i].z == 0.0 && points[i].x > 1.0).count();

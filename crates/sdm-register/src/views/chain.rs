@@ -4,11 +4,11 @@ use footpoint::Progress;
 use std::ops::ControlFlow;
 
 use super::{View, ViewsOptions};
-use crate::start::{CoarseStart, OrientedPoints, StartOptions};
+use crate::start::{CoarseStart, OrientedPoints, StartCandidate, StartOptions};
 use crate::{Error, Pose};
 
-/// The least score with which a pair counts: the mean over the points of a view that the other one covers only partly.
-const LEAST_SCORE: f64 = 0.15;
+/// The least excess of matched points (see [`excess`]) that links two views, as a share of a view.
+const LEAST_EXCESS: f64 = 0.06;
 
 /// Distance up to which points count: small, since parts of smooth shapes fit others roughly in many ways.
 const TOLERANCE: f64 = 0.004;
@@ -25,17 +25,20 @@ pub(crate) fn initial_poses(
         .with_oriented(options.oriented)
         .with_tolerance(TOLERANCE)
         .with_max_rounds(20);
-    let mut links = Vec::new();
+    let (mut links, mut tried) = (Vec::new(), 0);
     let total = views.len() * (views.len() - 1) / 2;
     'pairs: for i in 0..views.len() {
         let start = CoarseStart::new(&clouds[i], &start_options)?;
+        let scale = clouds[i].bounding_box().map_or(1.0, |bounds| bounds.diagonal());
         for j in i + 1..views.len() {
-            if progress(links.len().min(total), total).is_break() {
+            if progress(tried, total).is_break() {
                 break 'pairs;
             }
             let report = start.search(&clouds[j], &|_, _| ControlFlow::Continue(()))?;
-            if let Some(best) = report.best().filter(|best| best.score >= LEAST_SCORE) {
-                links.push((best.score, [i, j], best.pose));
+            tried += 1;
+            let best = report.candidates.iter().max_by(|a, b| excess(a, scale).total_cmp(&excess(b, scale)));
+            if let Some(best) = best.filter(|best| excess(best, scale) >= LEAST_EXCESS) {
+                links.push((excess(best, scale), [i, j], best.pose));
             }
         }
     }
@@ -59,6 +62,14 @@ pub(crate) fn initial_poses(
         }
     }
     Ok(poses.into_iter().map(Option::unwrap_or_default).collect())
+}
+
+/// Share of a view that lies on another one beyond what chance explains.
+///
+/// Points that are near by chance have distances spread evenly up to the tolerance `τ`, with the mean square `τ²/3`: they add
+/// nothing to `Σ (1 − 3 d²/τ²)`, whereas a point that belongs there adds nearly 1.
+fn excess(candidate: &StartCandidate, scale: f64) -> f64 {
+    candidate.share * (1.0 - 3.0 * (candidate.rms / (TOLERANCE * scale)).powi(2))
 }
 
 /// The points of a view, with normals by the plane through neighbours where it has none.

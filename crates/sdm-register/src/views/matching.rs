@@ -63,7 +63,10 @@ pub(crate) fn find(
     let nearest = parallel::tasks(tasks.len(), |t| {
         let (k, range) = &tasks[t];
         let [i, j] = pairs[*k];
-        range.clone().map(|s| nearest_in(&seen[i], &seen[j], &at[i], &at[j], s, rules.limit)).collect::<Vec<_>>()
+        range
+            .clone()
+            .map(|s| nearest_in(&seen[i], &seen[j], &at[i], &at[j], s, rules.limit))
+            .collect::<Vec<_>>()
     });
     let mut wanted = vec![Vec::new(); views.len()];
     for ((k, _), found) in tasks.iter().zip(&nearest) {

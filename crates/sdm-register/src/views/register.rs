@@ -4,13 +4,13 @@ use footpoint::Progress;
 use nalgebra::Vector3;
 use nurbs_core::Aabb;
 
+use super::ViewsOptions;
 use super::chain;
 use super::graph::components;
 use super::matching::{Matches, Rules, find};
 use super::report::{PairReport, ViewReport, ViewsReport, ViewsStatus, ViewsStep};
 use super::system::System;
 use super::view::{Prepared, View};
-use super::ViewsOptions;
 use crate::start::Placement;
 use crate::{Error, Pose};
 
@@ -21,6 +21,9 @@ const FEWEST_MATCHES: usize = 12;
 /// Points per view while the poses are coarse, and the motion that ends this stage.
 const COARSE_POINTS: usize = 400;
 const COARSE_MOTION: f64 = 2e-4;
+
+/// Motions below this share of the standard error of the mean distance are not worth another step.
+const NEGLIGIBLE: f64 = 0.1;
 
 /// Distances beyond this multiple of their median absolute value do not count (Tukey's constant times 1.48), and never
 /// less than this share of the diagonal, the noise of rounding.
@@ -85,7 +88,9 @@ fn check(views: &[View]) -> Result<(), Error> {
         }
     }
     if views.len() < 2 {
-        return Err(Error::TooFewPoints { total: views.len(), finite: views.len(), needed: 2 }.of("list of views"));
+        return Err(
+            Error::TooFewPoints { total: views.len(), finite: views.len(), needed: 2 }.of("list of views")
+        );
     }
     Ok(())
 }
@@ -121,7 +126,8 @@ impl<'a> Run<'a> {
             let sample = options.points_per_view;
             prepared.push(Prepared::new(view, own, scale, options.neighbours, sample, seed)?);
         }
-        let placement = |(pose, own): (&Pose<3>, &Vector3<f64>)| Placement::from_pose(pose, own, &centre, scale);
+        let placement =
+            |(pose, own): (&Pose<3>, &Vector3<f64>)| Placement::from_pose(pose, own, &centre, scale);
         let placements: Vec<Placement> = poses.iter().zip(&centres).map(placement).collect();
         Ok(Self {
             options,
@@ -151,7 +157,7 @@ impl<'a> Run<'a> {
                 return ViewsStatus::Cancelled;
             }
             let Some((motion, system)) = self.step(count) else { return ViewsStatus::NoOverlap };
-            if fine && motion <= self.options.tolerance {
+            if fine && motion <= self.options.tolerance.max(NEGLIGIBLE * system.standard_error()) {
                 return self.verdict(&system);
             }
             if !fine && motion <= COARSE_MOTION {
@@ -195,8 +201,7 @@ impl<'a> Run<'a> {
             place.map_or(0.0, |at| share_of(&found[at]))
         };
         let least = self.options.min_overlap;
-        self.pairs =
-            tried.iter().copied().filter(|&[i, j]| share(i, j).max(share(j, i)) >= least).collect();
+        self.pairs = tried.iter().copied().filter(|&[i, j]| share(i, j).max(share(j, i)) >= least).collect();
         let enough = |pair: &[usize; 2]| {
             let [i, j] = *pair;
             let both = found.iter().filter(|matches| matches.views == [i, j] || matches.views == [j, i]);
@@ -223,7 +228,8 @@ impl<'a> Run<'a> {
         let twists = system.solve()?;
         let mut motion: f64 = 0.0;
         for (view, (pose, twist)) in self.poses.iter_mut().zip(&twists).enumerate() {
-            let (rotation, translation) = (twist.fixed_rows::<3>(0).into_owned(), twist.fixed_rows::<3>(3).into_owned());
+            let (rotation, translation) =
+                (twist.fixed_rows::<3>(0).into_owned(), twist.fixed_rows::<3>(3).into_owned());
             let before = pose.shift;
             *pose = pose.moved(rotation, translation);
             motion = motion.max((pose.shift - before).norm() + rotation.norm() * self.views[view].radius);
@@ -245,7 +251,8 @@ impl<'a> Run<'a> {
         let (early, late) = (self.rules(self.options.max_distance), self.rules(self.limit.max(LEAST_LIMIT)));
         let before = find(&mut self.views, &self.first, &pairs, count, &early);
         let after = find(&mut self.views, &self.poses, &pairs, count, &late);
-        let system = System::new(&after, &self.held(), robust_limit(&after).unwrap_or(self.limit).max(LEAST_LIMIT));
+        let system =
+            System::new(&after, &self.held(), robust_limit(&after).unwrap_or(self.limit).max(LEAST_LIMIT));
         let matched: usize = after.iter().map(|matches| matches.list.len()).sum();
         let known = status != ViewsStatus::NoOverlap && system.free_motions() == 0;
         let covariances = if known { system.covariances(matched) } else { None };
@@ -297,7 +304,8 @@ fn rms(matches: &[&Matches]) -> f64 {
 
 /// The distance beyond which matches do not count; `None` without matches.
 fn robust_limit(matches: &[Matches]) -> Option<f64> {
-    let mut distances: Vec<f64> = matches.iter().flat_map(|pair| &pair.list).map(|m| m.distance.abs()).collect();
+    let mut distances: Vec<f64> =
+        matches.iter().flat_map(|pair| &pair.list).map(|m| m.distance.abs()).collect();
     if distances.is_empty() {
         return None;
     }

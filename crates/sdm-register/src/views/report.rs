@@ -137,6 +137,9 @@ impl fmt::Display for ViewsReport {
 }
 
 #[cfg(feature = "serde")]
-fn optional_matrix<S: serde::Serializer>(matrix: &Option<Matrix6<f64>>, serializer: S) -> Result<S::Ok, S::Error> {
+fn optional_matrix<S: serde::Serializer>(
+    matrix: &Option<Matrix6<f64>>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
     serde::Serialize::serialize(&matrix.as_ref().map(Matrix6::as_slice), serializer)
 }

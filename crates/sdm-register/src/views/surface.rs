@@ -83,7 +83,8 @@ impl LocalSurface {
             matrix[(i, i)] += if i < terms { 1e-11 * count as f64 } else { 1.0 };
         }
         let coefficients = matrix.cholesky()?.solve(&rhs);
-        let residual = locals.iter().map(|x| (x.z - coefficients.dot(&powers(x.x, x.y))).powi(2)).sum::<f64>();
+        let residual =
+            locals.iter().map(|x| (x.z - coefficients.dot(&powers(x.x, x.y))).powi(2)).sum::<f64>();
         let middle = locals.iter().map(|x| x.xy()).sum::<Vector2<f64>>() / count as f64;
         let border = middle.norm() > LOPSIDED || (residual / count as f64).sqrt() > ROUGH;
         coefficients.iter().all(|c| c.is_finite()).then_some(Self {
@@ -161,8 +162,7 @@ mod tests {
             let mut worst: f64 = 0.0;
             for _ in 0..20 {
                 let points = sphere(40, half, &mut random);
-                let surface =
-                    LocalSurface::fit(&Vector3::z(), &points).unwrap().oriented(&Vector3::z());
+                let surface = LocalSurface::fit(&Vector3::z(), &points).unwrap().oriented(&Vector3::z());
                 for x in sphere(20, 0.5 * half, &mut random) {
                     let height = surface.height(&x).unwrap();
                     worst = worst.max(height.value.abs());
@@ -171,7 +171,10 @@ mod tests {
             }
             errors.push(worst);
         }
-        assert!(errors[0] < 4e-4 && errors[1] < errors[0] / 10.0 && errors[2] < errors[1] / 10.0, "{errors:?}");
+        assert!(
+            errors[0] < 4e-4 && errors[1] < errors[0] / 10.0 && errors[2] < errors[1] / 10.0,
+            "{errors:?}"
+        );
     }
 
     #[test]

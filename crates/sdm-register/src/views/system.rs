@@ -43,8 +43,13 @@ impl System {
             })
             .collect();
         let blocks = parallel::tasks(matches.len(), |k| block(&matches[k], limit));
-        let mut out =
-            Self { rows, matrix: DMatrix::zeros(size, size), gradient: DVector::zeros(size), cost: 0.0, weight: 0.0 };
+        let mut out = Self {
+            rows,
+            matrix: DMatrix::zeros(size, size),
+            gradient: DVector::zeros(size),
+            cost: 0.0,
+            weight: 0.0,
+        };
         for (pair, block) in matches.iter().zip(blocks) {
             let [moving, still] = pair.views.map(|view| out.rows[view]);
             out.cost += block.cost;
@@ -88,6 +93,11 @@ impl System {
         let values = self.matrix.symmetric_eigenvalues();
         let largest = values.max();
         values.iter().filter(|&&value| value <= FREE_SHARE * largest).count()
+    }
+
+    /// Root mean square distance over the root of the number of points, as far as they have weight.
+    pub(crate) fn standard_error(&self) -> f64 {
+        self.cost.sqrt() / self.weight.max(f64::MIN_POSITIVE)
     }
 
     /// `σ̂² (JᵀJ)⁻¹`, the block of each view; 0 for those that are held.

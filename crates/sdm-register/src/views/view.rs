@@ -127,13 +127,18 @@ impl Prepared {
         sample: usize,
         seed: u64,
     ) -> Result<Self, Error> {
-        let points: Vec<Point3<f64>> = view.points.iter().map(|x| Point3::from((x - centre) / scale)).collect();
-        let index = CloudIndex::new(&points)
-            .map_err(|_| Error::Length { what: "indices", found: u32::MAX as usize, points: points.len() })?;
+        let points: Vec<Point3<f64>> =
+            view.points.iter().map(|x| Point3::from((x - centre) / scale)).collect();
+        let index = CloudIndex::new(&points).map_err(|_| Error::Length {
+            what: "indices",
+            found: u32::MAX as usize,
+            points: points.len(),
+        })?;
         let mut order: Vec<usize> = (0..points.len()).collect();
         Random::new(seed).shuffle_front(&mut order, sample);
         order.truncate(sample);
-        let bounds = points.iter().fold(Aabb::of_point(Vector3::zeros()), |bounds, x| bounds.with_point(&x.coords));
+        let bounds =
+            points.iter().fold(Aabb::of_point(Vector3::zeros()), |bounds, x| bounds.with_point(&x.coords));
         let radius = points.iter().map(|x| x.coords.norm()).fold(0.0, f64::max);
         Ok(Self {
             normals: view.normals.clone(),

@@ -102,12 +102,17 @@ pub(crate) struct SixViews {
 
 impl SixViews {
     pub(crate) fn new(count: usize, noise: f64, angle: f64, seed: u64) -> Self {
+        Self::seeing(1.25, count, noise, angle, seed)
+    }
+
+    /// Views that see what faces them up to an angle, in radians: neighbours have a fifth in common for 1.25, twice as much
+    /// for 1.5.
+    pub(crate) fn seeing(faces: f64, count: usize, noise: f64, angle: f64, seed: u64) -> Self {
         let (body, mut random) = (Bumpy::new(), Random(seed));
-        let mut out =
-            Self { points: vec![], normals: vec![], truth: vec![], initial: vec![], diameter: 2.0 };
+        let mut out = Self { points: vec![], normals: vec![], truth: vec![], initial: vec![], diameter: 2.0 };
         for k in 0..6 {
             let towards = Vector3::ith(k / 2, if k % 2 == 0 { 1.0 } else { -1.0 });
-            let (points, normals) = body.view(Some((towards, 1.25)), count, &mut random);
+            let (points, normals) = body.view(Some((towards, faces)), count, &mut random);
             let truth = Pose::new(random.rotation(), random.vector() * 3.0);
             let back = truth.inverse();
             let noisy = |x: &Vector3<f64>, random: &mut Random| x + random.vector() * (noise * 2.0);
