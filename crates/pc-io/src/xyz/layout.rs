@@ -269,7 +269,8 @@ impl Separator {
                     });
                     let (word, tail) = rest.split_at(end.unwrap_or(rest.len()));
                     let is_text = texts.contains(&(values.len() - before));
-                    let value = if is_text { f64::NAN } else { unusual(source, at, line, word, self, empty)? };
+                    let value =
+                        if is_text { f64::NAN } else { unusual(source, at, line, word, self, empty)? };
                     values.push(value);
                     field = tail;
                     skip_blanks(&mut field);
