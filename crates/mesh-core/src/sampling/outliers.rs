@@ -91,7 +91,7 @@ pub fn statistical_outliers(
 /// # Errors
 /// [`Error::OutOfRange`] if the radius is negative or NaN, [`Error::TooMany`] beyond 32-bit indices.
 pub fn radius_outliers(points: &[Point3<f64>], radius: f64, least: usize) -> Result<Outliers, Error> {
-    if !(radius >= 0.0) {
+    if radius.is_nan() || radius < 0.0 {
         return Err(Error::OutOfRange { what: "radius", value: radius, least: 0.0 });
     }
     let index = CloudIndex::new(points)?;
