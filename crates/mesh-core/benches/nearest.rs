@@ -84,7 +84,7 @@ fn closest(c: &mut Criterion) {
         group.bench_function(format!("{name}/closest"), |b| {
             b.iter(|| {
                 for x in &queries {
-                    black_box(projector.project(x));
+                    let _ = black_box(projector.project(x));
                 }
             });
         });
