@@ -51,7 +51,7 @@ impl Outliers {
 }
 
 /// Points whose mean distance to their `neighbours` nearest neighbours exceeds the mean of all points by more than
-/// `ratio` standard deviations stand apart ([RMBDB08]).
+/// `ratio` standard deviations stand apart (\[RMBDB08\]).
 ///
 /// Common values are 8 to 50 neighbours and a ratio of 1 to 3. A point without neighbours has the distance 0.
 ///
