@@ -4,6 +4,7 @@ use crate::global::all_feet_line::APART;
 use crate::global::descend::Foot;
 use crate::global::gap::Gap;
 use crate::global::patch::{Patch, PatchSet};
+use crate::global::polish::flattest;
 use crate::global::scratch::Scratch;
 use crate::{Location, Multiplicity, Status, SurfaceFootpoint};
 use nalgebra::Vector3;
@@ -142,8 +143,7 @@ impl<const K: usize> PatchSet<K> {
             return Multiplicity::Continuum;
         }
         let apart = SAME_POINT * self.size;
-        let tied = scratch.ties.drain(..).any(|(patch, place)| {
-            let other = self.descend(x, patch, place, 30);
+        let tied = scratch.rivals.iter().any(|other| {
             let p = &self.patches[other.patch];
             let point = self.point(p, other.local[0], other.local[1]) + p.centre;
             gap.is_tie(other.distance_sq, out.distance)
@@ -219,25 +219,4 @@ fn outward([s, t]: [f64; 2], jet: &SurfaceJet) -> Vector3<f64> {
     } else {
         jet.du.cross(&jet.duv) * if s < 0.5 { 1.0 } else { -1.0 }
     }
-}
-
-/// Smallest eigenvalue of the Hessian with respect to the metric, `1 − d κ`, and its unit direction.
-pub(super) fn flattest(g: &[f64; 3], h: &[f64; 3]) -> (f64, [f64; 2]) {
-    // Roots of det(H − λ G).
-    let a = g[0] * g[2] - g[1] * g[1];
-    let b = h[0] * g[2] + h[2] * g[0] - 2.0 * h[1] * g[1];
-    let c = h[0] * h[2] - h[1] * h[1];
-    let root = (0.5 * b - (0.25 * b * b - a * c).max(0.0).sqrt()) / a;
-    let rows = [[h[0] - root * g[0], h[1] - root * g[1]], [h[1] - root * g[1], h[2] - root * g[2]]];
-    let weight = |r: &[f64; 2]| r[0].abs() / g[0].sqrt() + r[1].abs() / g[2].sqrt();
-    let row = if weight(&rows[0]) >= weight(&rows[1]) { rows[0] } else { rows[1] };
-    let mut direction = [-row[1], row[0]];
-    if direction == [0.0; 2] {
-        direction = [1.0, 0.0];
-    }
-    let length = (g[0] * direction[0] * direction[0]
-        + 2.0 * g[1] * direction[0] * direction[1]
-        + g[2] * direction[1] * direction[1])
-        .sqrt();
-    (root, direction.map(|c| c / length))
 }

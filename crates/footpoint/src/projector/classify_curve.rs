@@ -63,8 +63,7 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
             return Multiplicity::Continuum;
         }
         let apart = (SAME_POINT * self.size).max(1e-6 * out.distance);
-        let tied = scratch.ties.drain(..).any(|(index, local)| {
-            let other = self.descend(x, index, local, 30);
+        let tied = scratch.rivals.iter().any(|other| {
             let piece = &self.pieces[other.piece];
             let point = self.jet(piece, other.local).point + piece.centre;
             gap.is_tie(other.distance_sq, out.distance) && (point - out.point).norm() > apart

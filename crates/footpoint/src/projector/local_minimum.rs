@@ -3,10 +3,11 @@
 //! Every patch or piece around the place, and at a pole every parameter line, has a say: the distance must not
 //! decrease into any of them, neither by its slope nor, where this vanishes, by its curvature.
 
-use super::classify::{FLAT, ON_BORDER, ORTHOGONAL, SAME_POINT, flattest};
+use super::classify::{FLAT, ON_BORDER, ORTHOGONAL, SAME_POINT};
 use crate::global::descend::Foot;
 use crate::global::patch::PatchSet;
 use crate::global::piece::PieceSet;
+use crate::global::polish::flattest;
 use crate::global::search_curve::CurveFoot;
 use nalgebra::{SVector, Vector3};
 
