@@ -390,12 +390,13 @@ impl Run {
         seconds.sort_by(f64::total_cmp);
         let high = seconds[((seconds.len() - 1) as f64 * 0.999) as usize];
         println!(
-            "{name:20} {:6} {wrong:5} {:8.2} {:8.1} {:8.1} {excess:9.1e} {gap:9.1e} {stalled:7}   (slowest {slowest}: {:?})",
+            "{name:20} {:6} {wrong:5} {:8.2} {:8.1} {:8.1} {excess:9.1e} {gap:9.1e} {stalled:7}   (slowest {slowest}: {:?} {})",
             queries.len(),
             mean * 1e6,
             high * 1e6,
             at * 1e6,
-            queries[slowest].as_slice()
+            queries[slowest].as_slice(),
+            answer(&queries[slowest]).note
         );
     }
 }

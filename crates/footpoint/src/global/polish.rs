@@ -9,7 +9,11 @@ use super::scratch::Scratch;
 use nalgebra::Vector3;
 
 /// Limit of the local iterations.
-pub(super) const MAX_STEPS: u32 = 60;
+pub(super) const MAX_STEPS: u32 = 40;
+
+/// Steps of all local iterations from places that may be ties, after which the rest is not looked at: next to axes
+/// there are many such places, and the iterations are slow.
+pub(super) const TIE_STEPS: u32 = 80;
 
 /// Places nearer than this, in local parameters, lead to the same minimum.
 pub(super) const BESIDE: f64 = 1e-6;
@@ -23,8 +27,8 @@ pub(super) const STRIDE: f64 = 0.35;
 /// How often a saddle is left.
 pub(super) const ROUNDS: usize = 4;
 
-/// Relative decrease of the squared distance that is worth another round.
-pub(super) const WORTH: f64 = 1e-15;
+/// Relative decrease of the squared distance that is more than a rounding error.
+pub(super) const WORTH: f64 = 1e-14;
 
 /// Lines through a pole, per patch, of which the one that falls most is followed.
 const LINES: usize = 8;
@@ -36,7 +40,14 @@ impl<const K: usize> PatchSet<K> {
     /// Replaces the footpoint by the lowest of the places that the proof met; the others become rivals.
     #[inline(always)]
     pub(crate) fn polish(&self, x: &Vector3<f64>, best: &mut Foot, scratch: &mut Scratch<K>) {
+        if best.patch == usize::MAX {
+            return;
+        }
+        let budget = best.steps.saturating_add(TIE_STEPS);
         for next in 0..scratch.ties.len() {
+            if best.steps >= budget {
+                break;
+            }
             let (patch, place) = scratch.ties[next];
             let beside = |foot: &Foot| {
                 foot.patch == patch && (0..2).all(|d| (foot.local[d] - place[d]).abs() <= BESIDE)
@@ -138,7 +149,7 @@ impl<const K: usize> PatchSet<K> {
     fn take(&self, x: &Vector3<f64>, index: usize, place: [f64; 2], best: &mut Foot) -> Foot {
         let found = self.descend(x, index, place, MAX_STEPS);
         let steps = best.steps + found.steps;
-        if found.distance_sq < best.distance_sq && (found.settled || !best.settled) {
+        if found.distance_sq < best.distance_sq * (1.0 - WORTH) && (found.settled || !best.settled) {
             *best = found;
         }
         best.steps = steps;

@@ -1,7 +1,7 @@
 //! The lowest of the places on curves that a certificate cannot tell apart: [`polish`](super::polish) for curves.
 
 use super::piece::PieceSet;
-use super::polish::{BESIDE, MAX_STEPS, ROUNDS, SADDLE, STRIDE, WORTH};
+use super::polish::{BESIDE, MAX_STEPS, ROUNDS, SADDLE, STRIDE, TIE_STEPS, WORTH};
 use super::search_curve::{CurveFoot, CurveScratch};
 use nalgebra::SVector;
 
@@ -9,7 +9,14 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
     /// Replaces the footpoint by the lowest of the places that the proof met; the others become rivals.
     #[inline(always)]
     pub(crate) fn polish(&self, x: &SVector<f64, D>, best: &mut CurveFoot, scratch: &mut CurveScratch<K>) {
+        if best.piece == usize::MAX {
+            return;
+        }
+        let budget = best.steps.saturating_add(TIE_STEPS);
         for next in 0..scratch.ties.len() {
+            if best.steps >= budget {
+                break;
+            }
             let (piece, place) = scratch.ties[next];
             let beside = |foot: &CurveFoot| foot.piece == piece && (foot.local - place).abs() <= BESIDE;
             if beside(best) || scratch.rivals.iter().any(beside) {
@@ -53,7 +60,7 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
     fn take(&self, x: &SVector<f64, D>, index: usize, place: f64, best: &mut CurveFoot) -> CurveFoot {
         let found = self.descend(x, index, place, MAX_STEPS);
         let steps = best.steps + found.steps;
-        if found.distance_sq < best.distance_sq && (found.settled || !best.settled) {
+        if found.distance_sq < best.distance_sq * (1.0 - WORTH) && (found.settled || !best.settled) {
             *best = found;
         }
         best.steps = steps;

@@ -18,6 +18,8 @@ pub(super) const SAME_POINT: f64 = APART;
 pub(super) const ORTHOGONAL: f64 = 1e-6;
 /// Speed, as a share of the size of the model, below which a parameter does not move the point.
 pub(super) const STANDSTILL: f64 = 1e-9;
+/// Decrease of the squared distance, as a share of it, that rounding errors hide.
+pub(super) const NO_GAIN: f64 = 64.0 * f64::EPSILON;
 /// `1 − d κ` below this asks whether the footpoint is one of a continuum.
 pub(super) const FLAT: f64 = 1e-4;
 
@@ -73,7 +75,9 @@ impl<const K: usize> PatchSet<K> {
         }
     }
 
-    /// Whether the derivative of the distance vanishes, or points out of the domain, in each direction.
+    /// Whether the derivative of the distance vanishes, or points out of the domain, in each direction; or, where the
+    /// surface bends so much that parameters are not known well enough for that, whether a step of Newton's method
+    /// would gain nothing.
     #[inline(always)]
     fn is_stationary(
         &self,
@@ -83,17 +87,38 @@ impl<const K: usize> PatchSet<K> {
         r: &Vector3<f64>,
         distance: f64,
     ) -> bool {
-        (0..2).all(|d| {
+        let mut free = [true; 2];
+        let mut slopes = [0.0; 2];
+        let stationary = (0..2).fold(true, |all, d| {
             let tangent = if d == 0 { &jet.du } else { &jet.dv };
             let (slope, speed) = (tangent.dot(r), tangent.norm());
+            slopes[d] = slope;
             // At a pole or cusp the parameterisation stands still: its direction is that of rounding errors.
             let still = speed <= STANDSTILL * self.size;
             let small = still || slope.abs() <= speed * (ORTHOGONAL * distance).max(1e-11 * self.size);
             let blocked = (local[d] <= 0.0 && slope > 0.0) || (local[d] >= 1.0 && slope < 0.0);
             // Inside the model a border of a patch blocks only where the surface has a kink.
             let end = usize::from(local[d] >= 1.0);
-            small || (blocked && self.cells[patch.shape].across(patch.cell, d, end).is_none())
-        })
+            free[d] = !(still || blocked && self.cells[patch.shape].across(patch.cell, d, end).is_none());
+            all && (small || !free[d])
+        });
+        let bends =
+            [(&jet.du, &jet.du, &jet.duu), (&jet.du, &jet.dv, &jet.duv), (&jet.dv, &jet.dv, &jet.dvv)];
+        stationary || {
+            let [hss, hst, htt] = bends.map(|(a, b, second)| a.dot(b) + second.dot(r));
+            let [gs, gt] = slopes;
+            let gain = match free {
+                [true, true] => {
+                    let det = hss * htt - hst * hst;
+                    let product = htt * gs * gs - 2.0 * hst * gs * gt + hss * gt * gt;
+                    if hss > 0.0 && det > 0.0 { product / det } else { f64::INFINITY }
+                }
+                [true, false] if hss > 0.0 => gs * gs / hss,
+                [false, true] if htt > 0.0 => gt * gt / htt,
+                _ => f64::INFINITY,
+            };
+            gain <= NO_GAIN * distance * distance
+        }
     }
 
     #[inline(always)]
