@@ -1,0 +1,37 @@
+//! What fitting and registration ask of a shape.
+
+use crate::{ErrorTerm, Hint, PrincipalFrame, QuadraticModel, Search};
+use nalgebra::SVector;
+use nurbs_core::Aabb;
+
+/// The distance function of a shape: footpoints, and the local geometry that tells how the squared distance changes.
+///
+/// Implementations answer queries that are not finite with an unusable frame
+/// ([`Status::InvalidPoint`](footpoint::Status::InvalidPoint)) and never panic. The same query gives the same bits on
+/// any number of threads.
+pub trait DistanceField<const D: usize>: Sync {
+    /// The frame at the nearest point (or at the foot near `hint`, see [`Search`]).
+    fn frame(&self, x: &SVector<f64, D>, search: Search, hint: &Hint) -> PrincipalFrame<D>;
+
+    /// The frames of many points, in their order; `hints` has one entry per point, or none at all.
+    ///
+    /// Runs in parallel.
+    fn frames(&self, points: &[SVector<f64, D>], search: Search, hints: &[Hint]) -> Vec<PrincipalFrame<D>> {
+        crate::parallel::map(points.len(), |index| {
+            self.frame(&points[index], search, hints.get(index).unwrap_or(&Hint::default()))
+        })
+    }
+
+    /// The quadratic model of `d²` at the nearest point for an error term.
+    fn quadratic(&self, x: &SVector<f64, D>, term: ErrorTerm) -> QuadraticModel<D> {
+        term.model(&self.frame(x, Search::Global, &Hint::default()))
+    }
+
+    /// The distance of the nearest point, never negative; NaN for a query that is not finite.
+    fn distance(&self, x: &SVector<f64, D>) -> f64 {
+        self.frame(x, Search::Global, &Hint::default()).distance.abs()
+    }
+
+    /// A box around the shape, for scales and coarse starts.
+    fn bounding_box(&self) -> Aabb<D>;
+}

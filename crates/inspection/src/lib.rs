@@ -1,0 +1,1 @@
+//! Deviations of a cloud from a shape: statistics, tolerance bands, colour maps and reports.
