@@ -149,12 +149,18 @@ impl<const K: usize> PatchSet<K> {
     fn take(&self, x: &Vector3<f64>, index: usize, place: [f64; 2], best: &mut Foot) -> Foot {
         let found = self.descend(x, index, place, MAX_STEPS);
         let steps = best.steps + found.steps;
-        if found.distance_sq < best.distance_sq * (1.0 - WORTH) && (found.settled || !best.settled) {
+        if is_lower(found.distance_sq, best.distance_sq, self.size) && (found.settled || !best.settled) {
             *best = found;
         }
         best.steps = steps;
         found
     }
+}
+
+/// Whether a squared distance is lower by more than the rounding errors of places on a model of this size.
+#[inline(always)]
+pub(super) fn is_lower(candidate_sq: f64, best_sq: f64, size: f64) -> bool {
+    candidate_sq < best_sq * (1.0 - WORTH) - 4.0 * f64::EPSILON * size * best_sq.sqrt()
 }
 
 /// Smallest eigenvalue of the Hessian with respect to the metric, `1 − d κ`, and its unit direction.

@@ -1,7 +1,7 @@
 //! The lowest of the places on curves that a certificate cannot tell apart: [`polish`](super::polish) for curves.
 
 use super::piece::PieceSet;
-use super::polish::{BESIDE, MAX_STEPS, ROUNDS, SADDLE, STRIDE, TIE_STEPS, WORTH};
+use super::polish::{BESIDE, MAX_STEPS, ROUNDS, SADDLE, STRIDE, TIE_STEPS, WORTH, is_lower};
 use super::search_curve::{CurveFoot, CurveScratch};
 use nalgebra::SVector;
 
@@ -60,7 +60,7 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
     fn take(&self, x: &SVector<f64, D>, index: usize, place: f64, best: &mut CurveFoot) -> CurveFoot {
         let found = self.descend(x, index, place, MAX_STEPS);
         let steps = best.steps + found.steps;
-        if found.distance_sq < best.distance_sq * (1.0 - WORTH) && (found.settled || !best.settled) {
+        if is_lower(found.distance_sq, best.distance_sq, self.size) && (found.settled || !best.settled) {
             *best = found;
         }
         best.steps = steps;
