@@ -5,7 +5,10 @@
 //! into a [`QuadraticModel`] of the squared distance, and the sum of such models is what one step minimises
 //! (\[P05, sec. 3.2\]).
 
+mod analytic;
 mod borders;
+mod curve;
+mod curve_ends;
 mod error;
 mod field;
 mod frame;
@@ -17,6 +20,8 @@ mod search;
 mod surface;
 mod term;
 
+pub use analytic::{AnalyticCurve, AnalyticCurveField, AnalyticField};
+pub use curve::CurveField;
 pub use error::Error;
 pub use field::DistanceField;
 pub use frame::PrincipalFrame;
