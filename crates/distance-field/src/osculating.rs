@@ -60,10 +60,7 @@ pub(crate) fn frame_nearby<const D: usize>(
 }
 
 /// The axes made normal to a last axis that has turned a little.
-fn turned_axes<const D: usize>(
-    axes: &SMatrix<f64, D, D>,
-    normal: &SVector<f64, D>,
-) -> SMatrix<f64, D, D> {
+fn turned_axes<const D: usize>(axes: &SMatrix<f64, D, D>, normal: &SVector<f64, D>) -> SMatrix<f64, D, D> {
     let mut out = *axes;
     out.set_column(D - 1, normal);
     for i in 0..D - 1 {
