@@ -2,6 +2,7 @@
 
 use super::lanes::Row;
 use super::line::Segment;
+use super::seeds::Dip;
 use super::tree::Visit;
 
 /// A box of the local parameter square of a patch.
@@ -74,6 +75,9 @@ pub(crate) struct Scratch<const K: usize> {
     pub(crate) rows: Vec<Row<K>>,
     /// The rows of the box at hand.
     pub(crate) current: Vec<Row<K>>,
+    /// Samples of a form, and those of them from which to start.
+    pub(crate) grid: Vec<Row<K>>,
+    pub(crate) dips: Vec<Dip>,
     pub(crate) segments: Vec<Segment<K>>,
     /// Places that may be as near as the footpoint.
     pub(crate) ties: Vec<(usize, [f64; 2])>,
