@@ -4,8 +4,9 @@
 //! are taken before products, on a part of the patch at a time.
 
 use super::box_tests::largest;
+use super::geometry::{Homogeneous, Patch};
 use super::lanes::{Row, add_scaled, zero_row};
-use super::patch::{Homogeneous, Patch, PatchSet};
+use super::patch::PatchSet;
 use super::products::restrict;
 use super::scratch::Region;
 use nalgebra::Vector3;

@@ -1,74 +1,43 @@
 //! Bézier patches of one or several surfaces, prepared for the search.
 
-use super::bernstein::basis_jet;
 use super::cells::Cells;
+use super::geometry::{Geometry, Homogeneous, Patch};
 use super::lanes::{Lanes, Row, WIDTH};
 use super::pole::Pole;
 use super::products::{Products, elevate_row, product, splitting_rows};
 use super::scratch::Scratch;
+use super::seeds::Sampling;
 use super::tree::{Bounds, BoxTree};
 use crate::projector::pool::Pool;
 use nalgebra::Vector3;
-use nurbs_core::{BezierPatch, BsplineSurface, Interval, MAX_DEGREE, SurfaceJet};
+use nurbs_core::{BezierPatch, BsplineSurface};
+use std::ops::Deref;
 
-/// A point of the homogeneous control net: `w (p − centre)` and `w`.
-pub(crate) type Homogeneous = [f64; 4];
-
-/// One patch: where it lies, and where its coefficients begin in the arenas.
-#[derive(Clone, Debug)]
-pub(crate) struct Patch {
-    /// Index of its surface.
-    pub(crate) shape: usize,
-    /// Row and column in the grid of patches of that surface.
-    pub(crate) cell: [usize; 2],
-    pub(crate) degrees: [usize; 2],
-    pub(crate) rational: bool,
-    /// Origin of the coordinates in which the net is stored: the pole, if there is one, so that next to it all
-    /// coefficients are small and so are their rounding errors.
-    pub(crate) centre: Vector3<f64>,
-    pub(crate) intervals: [Interval; 2],
-    /// Bounds of the squared weight function.
-    pub(crate) min_weight_sq: f64,
-    pub(crate) max_weight_sq: f64,
-    /// Largest distance of a control point from the centre.
-    pub(crate) radius: f64,
-    /// The edge that is collapsed into the centre.
-    pub(crate) pole: Option<Pole>,
-    net: usize,
-    form: usize,
-}
-
-impl Patch {
-    /// Number of rows of the squared distance form, `2 degree_u + 1`.
-    #[inline(always)]
-    pub(crate) fn rows(&self) -> usize {
-        2 * self.degrees[0] + 1
-    }
-
-    /// Parameters of the whole surface at the local `(s, t)` in `[0, 1]²`.
-    pub(crate) fn parameter(&self, s: f64, t: f64) -> [f64; 2] {
-        [self.intervals[0].lerp(s), self.intervals[1].lerp(t)]
-    }
-}
-
-/// All patches of a model; rows of squared distance forms have `8 K` coefficients.
+/// All patches of a model, rows of squared distance forms with `8 K` coefficients, and a tree to find the nearest.
 ///
 /// For the local query `y = x − centre` the squared distance, times the squared weight function, is the
 /// polynomial `A − 2 ⟨y, B⟩ + |y|² W` with `A = |wS|²`, `B = w·wS`, `W = w²`: all three are stored in Bernstein
 /// form of degree `2p < 8K` in `u` and `8K − 1 ≥ 2q` in `v`.
 #[derive(Clone, Debug)]
 pub(crate) struct PatchSet<const K: usize> {
-    pub(crate) patches: Vec<Patch>,
-    pub(crate) cells: Vec<Cells>,
+    geometry: Geometry,
     pub(crate) tree: BoxTree<3>,
-    /// Largest side of the bounding box of everything.
-    pub(crate) size: f64,
     /// `halves[0]`, `halves[1]`: row `j` is what coefficient `j` contributes to the lower and upper half.
     pub(crate) halves: [Vec<Row<K>>; 2],
     pub(crate) products: Products<K>,
-    nets: Vec<Homogeneous>,
+    pub(super) sampling: Sampling<K>,
     forms: Vec<Row<K>>,
     pub(crate) scratch: Pool<Scratch<K>>,
+}
+
+/// A patch set is its geometry, and more.
+impl<const K: usize> Deref for PatchSet<K> {
+    type Target = Geometry;
+
+    #[inline(always)]
+    fn deref(&self) -> &Geometry {
+        &self.geometry
+    }
 }
 
 impl<const K: usize> PatchSet<K> {
@@ -77,13 +46,11 @@ impl<const K: usize> PatchSet<K> {
 
     pub(crate) fn new<'a>(surfaces: impl Iterator<Item = &'a BsplineSurface>) -> Self {
         let mut set = Self {
-            patches: Vec::new(),
-            cells: Vec::new(),
+            geometry: Geometry::default(),
             tree: BoxTree::new(&[]),
-            size: 0.0,
             halves: [Vec::new(), Vec::new()],
             products: Products::default(),
-            nets: Vec::new(),
+            sampling: Sampling::default(),
             forms: Vec::new(),
             scratch: Pool::default(),
         };
@@ -96,10 +63,10 @@ impl<const K: usize> PatchSet<K> {
                 boxes.push(bounds(&patch.control_points));
                 set.push(shape, [index / columns, index % columns], patch);
             }
-            let cells = Cells::new(surface, first, columns, &set);
-            set.cells.push(cells);
+            let cells = Cells::new(surface, first, columns, &set.geometry);
+            set.geometry.cells.push(cells);
         }
-        set.size = extent(&boxes);
+        set.geometry.size = extent(&boxes);
         set.tree = BoxTree::new(&boxes);
         set
     }
@@ -120,27 +87,13 @@ impl<const K: usize> PatchSet<K> {
             // Equal up to rounding errors, and now exactly.
             pole.edge(patch.degrees).for_each(|i| net[i][..3].fill(0.0));
         }
-        let radius = patch.control_points.iter().map(|p| (p - centre).norm()).fold(0.0, f64::max);
         for degree in patch.degrees {
             self.products.add(degree);
         }
-        let (min, max) = net.iter().fold((f64::INFINITY, 0.0f64), |(a, b), p| (a.min(p[3]), b.max(p[3])));
-        self.patches.push(Patch {
-            min_weight_sq: min * min,
-            max_weight_sq: max * max,
-            radius,
-            pole,
-            shape,
-            cell,
-            degrees: patch.degrees,
-            rational: patch.weights.is_some(),
-            centre,
-            intervals: patch.intervals,
-            net: self.nets.len(),
-            form: self.forms.len(),
-        });
+        let form = self.forms.len();
+        self.sampling.prepare(2 * patch.degrees[0]);
         self.push_form(&net, patch.degrees, patch.weights.is_some());
-        self.nets.extend(net);
+        self.geometry.push(shape, cell, patch, centre, pole, net, form);
     }
 
     /// Appends the rows of `A`, `B` (three coordinates) and, if rational, `W`.
@@ -186,125 +139,10 @@ impl<const K: usize> PatchSet<K> {
         patch.rational.then(|| &self.forms[patch.form + 4 * rows..patch.form + 5 * rows])
     }
 
-    /// The jet at the local `(s, t)` with derivatives by local parameters; points relative to the centre.
-    #[inline(always)]
-    pub(crate) fn jet(&self, patch: &Patch, s: f64, t: f64) -> SurfaceJet {
-        let [p, q] = patch.degrees;
-        let net = self.net(patch);
-        let a = match (p, q) {
-            (3, 3) => fixed_jet::<4, 4>(net, s, t),
-            (2, 2) => fixed_jet::<3, 3>(net, s, t),
-            (1, 1) => fixed_jet::<2, 2>(net, s, t),
-            _ => general_jet(net, p, q, s, t),
-        };
-        let v = |k: usize| Vector3::new(a[k][0], a[k][1], a[k][2]);
-        if !patch.rational {
-            return SurfaceJet { point: v(0), du: v(1), dv: v(2), duu: v(3), duv: v(4), dvv: v(5) };
-        }
-        let w = |k: usize| a[k][3];
-        let inverse = 1.0 / w(0);
-        let point = v(0) * inverse;
-        let du = (v(1) - point * w(1)) * inverse;
-        let dv = (v(2) - point * w(2)) * inverse;
-        SurfaceJet {
-            point,
-            du,
-            dv,
-            duu: (v(3) - du * (2.0 * w(1)) - point * w(3)) * inverse,
-            duv: (v(4) - du * w(2) - dv * w(1) - point * w(4)) * inverse,
-            dvv: (v(5) - dv * (2.0 * w(2)) - point * w(5)) * inverse,
-        }
-    }
-
-    /// The homogeneous control net.
-    #[inline(always)]
-    pub(crate) fn net(&self, patch: &Patch) -> &[Homogeneous] {
-        &self.nets[patch.net..patch.net + (patch.degrees[0] + 1) * (patch.degrees[1] + 1)]
-    }
-
-    /// The point alone, relative to the centre.
-    #[inline(always)]
-    pub(crate) fn point(&self, patch: &Patch, s: f64, t: f64) -> Vector3<f64> {
-        let [p, q] = patch.degrees;
-        let net = self.net(patch);
-        let mut bu = [[0.0; 3]; MAX_DEGREE + 1];
-        let mut bv = [[0.0; 3]; MAX_DEGREE + 1];
-        basis_jet(p, s, &mut bu[..=p]);
-        basis_jet(q, t, &mut bv[..=q]);
-        let mut a = [0.0; 4];
-        for i in 0..=p {
-            let mut r = [0.0; 4];
-            for j in 0..=q {
-                axpy(&mut r, &net[i * (q + 1) + j], bv[j][0]);
-            }
-            axpy(&mut a, &r, bu[i][0]);
-        }
-        let point = Vector3::new(a[0], a[1], a[2]);
-        if patch.rational { point / a[3] } else { point }
-    }
-
     /// Bytes of the prepared data.
     pub(crate) fn memory(&self) -> usize {
-        size_of_val(&self.nets[..])
-            + size_of_val(&self.forms[..])
-            + size_of_val(&self.patches[..])
-            + self.tree.memory()
+        self.geometry.memory() + size_of_val(&self.forms[..]) + self.tree.memory()
     }
-}
-
-#[inline(always)]
-fn axpy(to: &mut [f64; 4], from: &[f64; 4], factor: f64) {
-    for c in 0..4 {
-        to[c] += from[c] * factor;
-    }
-}
-
-/// Value, u, v, uu, uv, vv of a net of `M x N` points.
-#[inline(always)]
-fn fixed_jet<const M: usize, const N: usize>(net: &[Homogeneous], s: f64, t: f64) -> [[f64; 4]; 6] {
-    let mut bu = [[0.0; 3]; M];
-    let mut bv = [[0.0; 3]; N];
-    basis_jet(M - 1, s, &mut bu);
-    basis_jet(N - 1, t, &mut bv);
-    let mut a = [[0.0; 4]; 6];
-    for i in 0..M {
-        let mut r = [[0.0; 4]; 3];
-        for j in 0..N {
-            for d in 0..3 {
-                axpy(&mut r[d], &net[i * N + j], bv[j][d]);
-            }
-        }
-        accumulate(&mut a, &r, &bu[i]);
-    }
-    a
-}
-
-#[inline(always)]
-fn accumulate(a: &mut [[f64; 4]; 6], r: &[[f64; 4]; 3], b: &[f64; 3]) {
-    axpy(&mut a[0], &r[0], b[0]);
-    axpy(&mut a[1], &r[0], b[1]);
-    axpy(&mut a[2], &r[1], b[0]);
-    axpy(&mut a[3], &r[0], b[2]);
-    axpy(&mut a[4], &r[1], b[1]);
-    axpy(&mut a[5], &r[2], b[0]);
-}
-
-fn general_jet(net: &[Homogeneous], p: usize, q: usize, s: f64, t: f64) -> [[f64; 4]; 6] {
-    let mut bu = [[0.0; 3]; MAX_DEGREE + 1];
-    let mut bv = [[0.0; 3]; MAX_DEGREE + 1];
-    basis_jet(p, s, &mut bu[..=p]);
-    basis_jet(q, t, &mut bv[..=q]);
-    let mut a = [[0.0; 4]; 6];
-    for i in 0..=p {
-        let mut r = [[0.0; 4]; 3];
-        for j in 0..=q {
-            for d in 0..3 {
-                axpy(&mut r[d], &net[i * (q + 1) + j], bv[j][d]);
-            }
-        }
-        accumulate(&mut a, &r, &bu[i]);
-    }
-    a
 }
 
 pub(crate) fn bounds(points: &[Vector3<f64>]) -> Bounds<3> {

@@ -1,6 +1,7 @@
 //! Edges of patches that are collapsed into a point.
 
-use super::patch::{Patch, PatchSet};
+use super::geometry::Patch;
+use super::patch::PatchSet;
 use super::scratch::Region;
 use nalgebra::Vector3;
 use nurbs_core::BezierPatch;

@@ -1,8 +1,8 @@
 //! Products of control nets, and parts of nets and rows.
 
 use super::bernstein::binomial;
+use super::geometry::Homogeneous;
 use super::lanes::{Lanes, Row, WIDTH, add_scaled, zero_row};
-use super::patch::Homogeneous;
 
 /// Bernstein coefficients of products of a net with itself, row-major in degrees `(2p, 2q)`.
 pub(crate) fn product<const N: usize>(

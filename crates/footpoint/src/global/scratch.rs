@@ -1,9 +1,10 @@
 //! Working memory of a search, reused from query to query.
 
 use super::descend::Foot;
+use super::geometry::Homogeneous;
 use super::lanes::Row;
 use super::line::Segment;
-use super::patch::Homogeneous;
+use super::seeds::Dip;
 use super::tree::Visit;
 
 /// A box of the local parameter square of a patch.
@@ -76,6 +77,9 @@ pub(crate) struct Scratch<const K: usize> {
     pub(crate) rows: Vec<Row<K>>,
     /// The rows of the box at hand.
     pub(crate) current: Vec<Row<K>>,
+    /// Samples of a form, and those of them from which to start.
+    pub(crate) grid: Vec<Row<K>>,
+    pub(crate) dips: Vec<Dip>,
     pub(crate) segments: Vec<Segment<K>>,
     /// A control net relative to the query.
     pub(crate) net: Vec<Homogeneous>,

@@ -15,9 +15,6 @@ const MAX_STEPS: u32 = 40;
 /// Limit of the local iteration that finishes a footpoint which has not settled.
 const PATIENT_STEPS: u32 = 400;
 
-/// Further local iterations when there is no proof.
-const SECOND_SEEDS: usize = 2;
-
 /// Footpoint and what is proven about it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Found {
@@ -90,7 +87,7 @@ impl<const K: usize> PatchSet<K> {
             );
         }
         if !prove {
-            self.second_seeds(x, &mut best, scratch);
+            self.second_seeds(x, &mut best, gap, scratch);
             self.settle(x, &mut best);
             return Found { foot: best, bound_sq: 0.0 };
         }
@@ -114,7 +111,7 @@ impl<const K: usize> PatchSet<K> {
 
     /// Follows the distance downhill from a candidate.
     #[inline(always)]
-    fn improve(&self, x: &Vector3<f64>, candidate: &Candidate, best: &mut Foot) {
+    pub(super) fn improve(&self, x: &Vector3<f64>, candidate: &Candidate, best: &mut Foot) {
         let found = self.descend(x, candidate.patch, candidate.place, MAX_STEPS);
         let steps = best.steps + found.steps;
         if found.distance_sq < best.distance_sq || (found.settled && found.distance_sq == best.distance_sq) {
@@ -130,22 +127,6 @@ impl<const K: usize> PatchSet<K> {
             let found = self.descend(x, best.patch, best.local, PATIENT_STEPS);
             if found.distance_sq <= best.distance_sq {
                 *best = Foot { steps: best.steps + found.steps, ..found };
-            }
-        }
-    }
-
-    /// Without a proof, the best samples that did not seem worth an iteration get one after all.
-    #[inline(always)]
-    fn second_seeds(&self, x: &Vector3<f64>, best: &mut Foot, scratch: &mut Scratch<K>) {
-        scratch.candidates.retain(|c| c.patch != best.patch && c.sample_sq > best.distance_sq);
-        for _ in 0..SECOND_SEEDS.min(scratch.candidates.len()) {
-            let nearest =
-                scratch.candidates.iter().enumerate().min_by(|a, b| a.1.sample_sq.total_cmp(&b.1.sample_sq));
-            if let Some(index) = nearest.map(|(index, _)| index) {
-                let candidate = scratch.candidates.swap_remove(index);
-                if candidate.box_sq < best.distance_sq {
-                    self.improve(x, &candidate, best);
-                }
             }
         }
     }

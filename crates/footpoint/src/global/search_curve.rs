@@ -12,7 +12,7 @@ use nalgebra::SVector;
 /// A local step shorter than this, in units of the piece, is the last one.
 const LAST_STEP: f64 = 1e-7;
 /// Limit of the local iterations that start inside a search.
-const MAX_STEPS: u32 = 40;
+pub(super) const MAX_STEPS: u32 = 40;
 
 /// Limit of the local iteration that finishes a footpoint which has not settled.
 const PATIENT_STEPS: u32 = 400;
@@ -55,7 +55,13 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
     }
 
     #[inline(always)]
-    fn descend_inline(&self, x: &SVector<f64, D>, piece: usize, local: f64, max_steps: u32) -> CurveFoot {
+    pub(crate) fn descend_inline(
+        &self,
+        x: &SVector<f64, D>,
+        piece: usize,
+        local: f64,
+        max_steps: u32,
+    ) -> CurveFoot {
         let mut best = CurveFoot { piece, local, ..CurveFoot::NONE };
         let (mut index, mut at) = (piece, local);
         let (mut steps, mut taken, mut shrink) = (0, 0.0f64, 1.0);
@@ -190,6 +196,7 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
             best.steps = steps;
         }
         if !prove {
+            self.second_seeds(x, &mut best, gap, &scratch.candidates);
             self.settle(x, &mut best);
             return (best, 0.0);
         }

@@ -1,8 +1,9 @@
 //! Boxes of a patch cut in two, and where to cut.
 
 use super::descend::Foot;
+use super::geometry::Patch;
 use super::lanes::Row;
-use super::patch::{Patch, PatchSet};
+use super::patch::PatchSet;
 use super::products::{part_of_row, splitting_rows};
 use super::scratch::Region;
 

@@ -3,7 +3,8 @@
 use crate::global::all_feet_line::APART;
 use crate::global::descend::Foot;
 use crate::global::gap::Gap;
-use crate::global::patch::{Patch, PatchSet};
+use crate::global::geometry::{Geometry, Patch};
+use crate::global::patch::PatchSet;
 use crate::global::polish::flattest;
 use crate::global::scratch::Scratch;
 use crate::{Location, Multiplicity, Status, SurfaceFootpoint};
@@ -41,18 +42,23 @@ impl SurfaceFootpoint {
     }
 }
 
-impl<const K: usize> PatchSet<K> {
+impl Geometry {
     /// Turns a place into the public result: everything but the bound and the multiplicity.
     #[inline(always)]
     pub(crate) fn finish(&self, x: &Vector3<f64>, foot: &Foot) -> SurfaceFootpoint {
+        let [s, t] = foot.local;
+        self.conclude(x, foot, &self.jet(&self.patches[foot.patch], s, t))
+    }
+
+    /// As [`finish`](Self::finish), when the jet at the place is known.
+    #[inline(always)]
+    pub(crate) fn conclude(&self, x: &Vector3<f64>, foot: &Foot, jet: &SurfaceJet) -> SurfaceFootpoint {
         let patch = &self.patches[foot.patch];
         let [s, t] = foot.local;
-        let jet = self.jet(patch, s, t);
-        let y = x - patch.centre;
-        let r = jet.point - y;
+        let r = jet.point - (x - patch.centre);
         let distance = r.norm();
-        let location = self.location(patch, foot.local, &jet);
-        let stationary = self.is_stationary(patch, foot.local, &jet, &r, distance);
+        let location = self.location(patch, foot.local, jet);
+        let stationary = self.is_stationary(patch, foot.local, jet, &r, distance);
         let at_boundary = matches!(location, Location::Edge | Location::Corner);
         let status = match (stationary, at_boundary) {
             (true, true) => Status::OnBoundary,
@@ -60,7 +66,7 @@ impl<const K: usize> PatchSet<K> {
             (false, _) if foot.settled => Status::Stalled,
             (false, _) => Status::MaxIterations,
         };
-        let side = -outward(foot.local, &jet).dot(&r);
+        let side = -outward(foot.local, jet).dot(&r);
         SurfaceFootpoint {
             shape: patch.shape,
             parameter: patch.parameter(s, t),
@@ -91,11 +97,13 @@ impl<const K: usize> PatchSet<K> {
         let mut slopes = [0.0; 2];
         let stationary = (0..2).fold(true, |all, d| {
             let tangent = if d == 0 { &jet.du } else { &jet.dv };
-            let (slope, speed) = (tangent.dot(r), tangent.norm());
+            let (slope, speed_sq) = (tangent.dot(r), tangent.norm_squared());
             slopes[d] = slope;
             // At a pole or cusp the parameterisation stands still: its direction is that of rounding errors.
-            let still = speed <= STANDSTILL * self.size;
-            let small = still || slope.abs() <= speed * (ORTHOGONAL * distance).max(1e-11 * self.size);
+            let (standstill, tolerance) =
+                (STANDSTILL * self.size, (ORTHOGONAL * distance).max(1e-11 * self.size));
+            let still = speed_sq <= standstill * standstill;
+            let small = still || slope * slope <= speed_sq * (tolerance * tolerance);
             let blocked = (local[d] <= 0.0 && slope > 0.0) || (local[d] >= 1.0 && slope < 0.0);
             // Inside the model a border of a patch blocks only where the surface has a kink.
             let end = usize::from(local[d] >= 1.0);
@@ -151,7 +159,9 @@ impl<const K: usize> PatchSet<K> {
             _ => Location::Interior,
         }
     }
+}
 
+impl<const K: usize> PatchSet<K> {
     /// Whether another point, apart from the footpoint, is as near.
     pub(crate) fn multiplicity(
         &self,
