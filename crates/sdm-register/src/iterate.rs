@@ -199,7 +199,7 @@ impl<const D: usize> Run<'_, D> {
         };
         self.judge_newton(&models, &trial);
         let velocity = models.freedom.velocity(&trial.step);
-        let ratio = trial.motion / self.last_motion;
+        let ratio = if self.last_motion.is_finite() { trial.motion / self.last_motion } else { 1.0 };
         self.last_motion = trial.motion;
         self.view = trial.view;
         let (rms, points) = self.view.rms(&self.base, &self.weighting);
@@ -263,7 +263,7 @@ impl<const D: usize> Run<'_, D> {
         }
         let foretold = models.vector.dot(&trial.step) + 0.5 * trial.step.dot(&(matrix * &trial.step));
         let change = 0.5 * (trial.cost - models.system.cost);
-        self.trusted = (change - foretold).abs() <= TRUST * change.abs();
+        self.trusted = (change - foretold).abs() <= env("TRUST", TRUST) * change.abs();
     }
 
     fn attempt(&mut self, models: &Models<D>, step: DVector<f64>, factor: f64) -> Trial<D> {
@@ -327,4 +327,8 @@ impl<const D: usize> Run<'_, D> {
             }
         }
     }
+}
+
+pub(crate) fn env(name: &str, default: f64) -> f64 {
+    std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default)
 }

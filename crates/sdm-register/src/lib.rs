@@ -12,6 +12,7 @@ mod linearise;
 mod method;
 mod motion;
 mod options;
+mod plan;
 pub(crate) mod parallel;
 mod register;
 mod report;
