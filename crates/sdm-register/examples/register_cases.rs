@@ -1,6 +1,6 @@
 //! Registers the cases of a folder from all their starts and prints how well and how fast.
 //!
-//! `register_cases DIR… [--method NAME] [--outliers auto|none] [--angle MAX] [--limit TRE] [--steps] [--every K]`. Each
+//! `register_cases DIR… [--method NAME] [--outliers auto|none] [--angle MAX] [--limit TRE] [--steps] [--every K] [--inliers]`. Each
 //! DIR holds `case.json` (`model`, `diam`, `core_mask`, `T_gt` and perhaps `T_ref`), `source.ply` (binary doubles) and
 //! `inits.json` (start poses). Per case: share of the starts whose error is at most the limit (default 1e-4), median
 //! and largest error, median and largest number of steps and of evaluations, and seconds of CPU per start. The error is
@@ -20,6 +20,7 @@ type Outcome<T> = Result<T, Box<dyn Error>>;
 fn main() -> Outcome<()> {
     let mut options = RegisterOptions::<3>::default();
     let (mut folders, mut angle, mut limit, mut steps, mut every) = (Vec::new(), 180.0, 1e-4, false, 1);
+    let mut inliers_only = false;
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
         let mut value = || arguments.next().ok_or("a value is missing");
@@ -31,12 +32,16 @@ fn main() -> Outcome<()> {
             "--limit" => limit = value()?.parse()?,
             "--every" => every = value()?.parse()?,
             "--steps" => steps = true,
+            "--inliers" => inliers_only = true,
             _ => folders.push(argument),
         }
     }
     println!("case: success; error median, largest; steps median, largest; evaluations; ms per start");
     for folder in folders {
-        let case = Case::read(Path::new(&folder))?;
+        let mut case = Case::read(Path::new(&folder))?;
+        if inliers_only {
+            case.points.truncate(case.inliers);
+        }
         let (mut errors, mut counts, mut evaluations, mut seconds) = (Vec::new(), Vec::new(), Vec::new(), 0.0);
         for (degrees, start) in case.starts.iter().filter(|s| s.0 <= angle).step_by(every) {
             let clock = Instant::now();

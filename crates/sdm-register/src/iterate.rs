@@ -263,7 +263,7 @@ impl<const D: usize> Run<'_, D> {
         }
         let foretold = models.vector.dot(&trial.step) + 0.5 * trial.step.dot(&(matrix * &trial.step));
         let change = 0.5 * (trial.cost - models.system.cost);
-        self.trusted = (change - foretold).abs() <= env("TRUST", TRUST) * change.abs();
+        self.trusted = (change - foretold).abs() <= TRUST * change.abs();
     }
 
     fn attempt(&mut self, models: &Models<D>, step: DVector<f64>, factor: f64) -> Trial<D> {
@@ -327,8 +327,4 @@ impl<const D: usize> Run<'_, D> {
             }
         }
     }
-}
-
-pub(crate) fn env(name: &str, default: f64) -> f64 {
-    std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default)
 }

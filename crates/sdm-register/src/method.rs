@@ -34,8 +34,6 @@ impl Method {
         match self {
             Self::Term(term) => term,
             Self::AndersonPoint => ErrorTerm::Point,
-            Self::Adaptive if crate::iterate::env("FAR", 0.0) == 1.0 => ErrorTerm::SquaredDistance,
-            Self::Adaptive if crate::iterate::env("FAR", 0.0) == 2.0 => ErrorTerm::SquaredDistanceRatio,
             Self::Adaptive | Self::Newton | Self::Symmetric => ErrorTerm::Tangent,
         }
     }

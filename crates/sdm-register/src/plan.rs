@@ -12,13 +12,13 @@ const COARSE: f64 = 1e-4;
 /// The same while the limit of the distance is narrowed.
 const NARROWING: f64 = 3e-3;
 /// Steps for each limit.
-const NARROWING_STEPS: usize = 20;
+const NARROWING_STEPS: usize = 6;
 /// Distances in standard deviations of the noise at which a point no longer is one of the inliers.
 const CUT: f64 = 4.685;
 /// Distances in standard deviations that a normal distribution does not show: a single point there is an outlier.
 const IMPOSSIBLE: f64 = 8.0;
 /// Noise as a share of the size of the cloud above which the minimum may be a wrong one.
-const NOISY: f64 = 0.003;
+const NOISY: f64 = 0.012;
 /// Smallest noise that is believed, as a share of the size of the cloud.
 const NOISE_FLOOR: f64 = 1e-12;
 
@@ -112,10 +112,13 @@ impl<'a, const D: usize> Plan<'a, D> {
         let coarse = self.coarse.clone();
         let size = coarse.diagonal * view.pose.scale;
         let mut view = view;
+        // Points beyond the boundary of the shape have their feet there and would draw the cloud inwards.
+        let rejection = self.problem.options.rejection.with_boundary(true);
         for limit in self.problem.options.limits {
             let rule = Rule::Fixed(Weighting::Kernel { kernel, scale: limit * size });
             let stage = Stage {
                 method: Method::TANGENT,
+                rejection,
                 tolerance: NARROWING,
                 max_iterations: NARROWING_STEPS,
                 ..self.stage("narrow", &coarse, rule)
@@ -129,9 +132,10 @@ impl<'a, const D: usize> Plan<'a, D> {
         let limit = self.problem.options.limits[2] * size;
         let rule = Rule::Estimated { kernel, limit, floor: NOISE_FLOOR * size };
         let stage = Stage {
+            rejection,
             method: Method::TANGENT,
             tolerance: COARSE,
-            max_iterations: NARROWING_STEPS,
+            max_iterations: 3 * NARROWING_STEPS,
             ..self.stage("narrow", &coarse, rule)
         };
         self.go(&stage, view)
