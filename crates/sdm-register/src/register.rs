@@ -56,7 +56,11 @@ pub fn register_with_progress<const D: usize>(
     let initial_rms = view.rms(&base, &Weighting::SQUARES).0;
     let outcome = plan.run(view);
     let (rms, used) = outcome.view.rms(&outcome.base, &outcome.weighting);
+    let on = if outcome.view.frames.len() == cloud.points.len() { &cloud } else { plan.coarse() };
+    let (covariance, free_motions) = problem.analyse(&outcome, on, rms);
     Ok(RegisterReport {
+        covariance,
+        free_motions,
         pose: outcome.view.pose,
         status: outcome.status,
         rms,

@@ -44,6 +44,11 @@ impl Scaled {
         Self { units, fixed: matrix(&fixed), free: matrix(&free), extremes: [smallest.max(0.0), largest] }
     }
 
+    /// Number of directions that are fixed.
+    pub(crate) fn rank(&self) -> usize {
+        self.fixed.ncols()
+    }
+
     /// The directions that are not fixed, as steps.
     pub(crate) fn free_steps(&self) -> Vec<DVector<f64>> {
         self.free.column_iter().map(|c| c.component_mul(&self.units)).collect()
