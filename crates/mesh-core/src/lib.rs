@@ -22,9 +22,19 @@ mod bounds;
 mod bvh;
 pub mod closest;
 mod cloud;
+mod cloud_index;
+mod curvature;
 mod error;
+mod half_edge;
+mod kd_tree;
+mod loop_subdivision;
 mod mesh;
+mod normals;
+mod parallel;
+mod polyline;
 mod pseudo_normal;
+mod random;
+mod sampling;
 mod topology;
 mod triangle;
 mod weld;
@@ -33,9 +43,21 @@ pub use attributes::{Attributes, Colours, ScalarField};
 pub use bounds::BoundingBox;
 pub use closest::{MeshFootpoint, MeshProjector};
 pub use cloud::PointCloud;
+pub use cloud_index::{CloudIndex, Neighbour};
+pub use curvature::{CloudCurvature, CurvatureFrame, CurvatureOptions, MeshCurvature, estimate_curvature};
 pub use error::Error;
+pub use half_edge::{Defects, HalfEdge, HalfEdgeMesh};
+pub use loop_subdivision::{LimitPoint, LoopScheme, Mask};
 pub use mesh::TriangleMesh;
 pub use nalgebra;
+pub use normals::{
+    CloudNormals, NormalOptions, Normals, Orientation, estimate_normals, orient_consistently, orient_towards,
+};
+pub use polyline::{Polyline, PolylineFootpoint};
+pub use sampling::{
+    Outliers, SurfaceSample, VoxelPoint, VoxelSample, eliminate_samples, farthest_points, radius_outliers,
+    sample_poisson_disk, sample_uniform, statistical_outliers, voxel_downsample,
+};
 pub use topology::MeshTopology;
 pub use triangle::Feature;
 pub use weld::VertexWelder;
