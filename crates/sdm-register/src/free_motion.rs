@@ -192,6 +192,6 @@ mod tests {
         };
         let named = FreeMotion::name_all(&[in_plane], &SVector::zeros(), 1.0);
         assert_eq!(named, [FreeMotion::Rotation { axis: Vector3::z(), point: SVector::from([1.0, 2.0]) }]);
-        assert_eq!(in_plane.at(&SVector::from([1.0, 2.0])), SVector::zeros());
+        assert!(in_plane.at(&SVector::from([1.0, 2.0])).norm() < 1e-15);
     }
 }
