@@ -1,10 +1,10 @@
 //! What can be typed.
 
-use crate::commands::{convert, demo, info, project};
+use crate::commands::{convert, demo, info, inspect, project};
 use clap::{Args, Parser, Subcommand};
 use std::path::{Path, PathBuf};
 
-/// From scans to CAD: closest points of NURBS models and meshes, with a proof that no other point is nearer.
+/// From scans to CAD: deviations from NURBS models and meshes, with a proof that no other point is nearer.
 #[derive(Debug, Parser)]
 #[command(version, propagate_version = true, max_term_width = 110, after_help = AFTER_HELP)]
 pub(crate) struct Cli {
@@ -15,17 +15,19 @@ pub(crate) struct Cli {
 }
 
 const AFTER_HELP: &str = "\
-Exit status: 0 done; 1 done, but the answer is \"no\" (some points did not converge); 2 bad input or usage.
+Exit status: 0 done; 1 done, but the answer is \"no\" (out of tolerance, not converged); 2 bad input or usage.
 Units are those of the files. Formats are recognised by content first, by extension second.
 
 Examples:
   indgeo demo
   indgeo project model.json scan.ply -o deviations.csv
+  indgeo inspect model.json scan.ply --tolerance 0.05 --report report.html
   indgeo info scan.ply";
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     Project(project::Args),
+    Inspect(inspect::Args),
     Convert(convert::Args),
     Info(info::Args),
     Demo(demo::Args),
@@ -46,6 +48,7 @@ impl Command {
     pub(crate) fn name(&self) -> &'static str {
         match self {
             Self::Project(_) => "project",
+            Self::Inspect(_) => "inspect",
             Self::Convert(_) => "convert",
             Self::Info(_) => "info",
             Self::Demo(_) => "demo",

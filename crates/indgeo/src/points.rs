@@ -11,6 +11,8 @@ use std::path::Path;
 pub(crate) struct Points {
     /// Positions; z = 0 where the file has two columns.
     pub(crate) positions: Vec<Point3<f64>>,
+    /// Normals, if the file has them.
+    pub(crate) normals: Option<Vec<Vector3<f64>>>,
     /// Whether the file has two columns.
     pub(crate) is_planar: bool,
     /// Triangles over the points, if the file is a mesh.
@@ -40,7 +42,9 @@ impl Points {
             return Err(Error::content(path, what, "export the file again"));
         }
         let is_planar = cloud.dimension() == 2;
-        Ok(Self { positions: cloud.into_parts().0, is_planar, triangles, report })
+        let (positions, attributes) = cloud.into_parts();
+        let normals = attributes.normals().map(<[_]>::to_vec);
+        Ok(Self { positions, normals, is_planar, triangles, report })
     }
 
     /// The points in the plane, for a model in the plane.

@@ -23,7 +23,7 @@ pub(crate) fn run(cli: &Cli) -> ExitCode {
     };
     (report.status, report.exit_code) = match &ended {
         Ok(Outcome { converged: true, .. }) => ("done", 0),
-        Ok(Outcome { converged: false, .. }) => ("not_converged", 1),
+        Ok(Outcome { otherwise, .. }) => (*otherwise, 1),
         Err(_) => ("error", 2),
     };
     report.error = ended.as_ref().err().map(ToString::to_string);

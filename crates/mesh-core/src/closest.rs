@@ -40,10 +40,10 @@ pub struct MeshFootpoint {
 /// but mesh and point, so that queries may be spread over threads at will.
 #[derive(Debug, Clone)]
 pub struct MeshProjector {
-    bvh: Bvh,
+    pub(crate) bvh: Bvh,
     /// Triangles in the order of the hierarchy, and the same for their indices in the mesh, vertices and neighbours.
-    triangles: Vec<Triangle>,
-    indices: Vec<u32>,
+    pub(crate) triangles: Vec<Triangle>,
+    pub(crate) indices: Vec<u32>,
     corners: Vec<[u32; 3]>,
     neighbours: Vec<[u32; 3]>,
     normals: PseudoNormals,

@@ -70,5 +70,5 @@ pub(crate) fn run(args: &Args, report: &mut Report) -> Result<Outcome, Error> {
         written.format,
         written.bytes
     );
-    Ok(Outcome { summary, converged: true })
+    Ok(Outcome::new(summary, true))
 }

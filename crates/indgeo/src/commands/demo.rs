@@ -74,7 +74,7 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
     report.outputs.push(Output { path: svg.clone(), bytes, content });
 
     let summary = format!("{}\n{}", summary::of(report), explain(&zones, &job, &svg));
-    Ok(Outcome { summary, converged: projection::all_converged(report) })
+    Ok(Outcome::new(summary, projection::all_converged(report)))
 }
 
 /// What was found, and how to get the same without the demonstration.

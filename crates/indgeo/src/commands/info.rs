@@ -44,7 +44,7 @@ pub(crate) fn run(args: &Args, report: &mut Report) -> Result<Outcome, Error> {
     }
     report.timings = timings;
     report.results = Some(Results::Files(facts));
-    Ok(Outcome { summary, converged: true })
+    Ok(Outcome::new(summary, true))
 }
 
 /// The facts about a file, as the report has them.

@@ -122,5 +122,5 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         quiet: common.quiet,
     };
     projection::run(&job, report)?;
-    Ok(Outcome { summary: summary::of(report), converged: projection::all_converged(report) })
+    Ok(Outcome::new(summary::of(report), projection::all_converged(report)))
 }

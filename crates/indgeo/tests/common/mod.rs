@@ -2,6 +2,8 @@
 
 #![allow(dead_code, clippy::unwrap_used, reason = "not every test uses everything")]
 
+pub(crate) mod schema;
+
 use serde_json::Value;
 use std::fs;
 use std::io::Write;
