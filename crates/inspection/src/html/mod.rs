@@ -52,8 +52,9 @@ pub fn write(out: &mut dyn Write, page: &Page<'_>) -> io::Result<()> {
     let verdict = &page.inspection.verdict;
     let tolerance = &page.inspection.options.tolerance;
     let headline = format!(
-        "<b>{} %</b> of {} points within {} … {}{}",
-        number(100.0 * verdict.share),
+        "<b>{:.2} %</b> of {} points within {} … {}{}",
+        // Rounded down: a failure never reads 100 %.
+        (10_000.0 * verdict.share).floor() / 100.0,
         verdict.judged,
         signed(tolerance.lower),
         signed(tolerance.upper),

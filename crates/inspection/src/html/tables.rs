@@ -24,7 +24,7 @@ pub(super) fn statistics(inspection: &Inspection) -> String {
         let _ = write!(rows, "<tr data-key=\"{key}\"><th scope=\"row\">{name}</th>{cells}</tr>");
     };
     let counted = |count: u64, share: f64| {
-        format!("<td data-value=\"{count}\">{count}</td><td>{} %</td>", number(100.0 * share))
+        format!("<td data-value=\"{count}\">{count}</td><td>{:.2} %</td>", 100.0 * share)
     };
     row("measured points", "count", format!("<td data-value=\"{0}\">{0}</td><td></td>", total.count));
     row("within tolerance", "within", counted(total.within, total.share_within));
