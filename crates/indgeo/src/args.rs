@@ -38,6 +38,7 @@ impl Command {
     pub(crate) fn files(&self) -> (Vec<&Path>, Vec<PathBuf>) {
         match self {
             Self::Project(args) => (vec![&args.model, &args.points], vec![args.out.clone()]),
+            Self::Inspect(args) => args.files(),
             Self::Convert(args) => (vec![&args.input], vec![args.output.clone()]),
             Self::Info(args) => (args.files.iter().map(PathBuf::as_path).collect(), Vec::new()),
             Self::Demo(args) => (Vec::new(), args.results().to_vec()),

@@ -8,7 +8,7 @@ use crate::inspecting::{self, Job};
 use crate::report::Report;
 use crate::summary;
 use industrial_geometry::inspection::{Along, InspectionOptions, Tolerance};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Measure the deviations of POINTS from MODEL and judge them by a tolerance
 ///
@@ -100,6 +100,16 @@ fn parse_along(text: &str) -> Result<Along, String> {
 }
 
 impl Args {
+    /// The files that are read, and those that are written.
+    pub(crate) fn files(&self) -> (Vec<&Path>, Vec<PathBuf>) {
+        let read = [Some(&self.model), Some(&self.points), self.transform.as_ref()];
+        let written = [&self.report, &self.out];
+        (
+            read.into_iter().flatten().map(PathBuf::as_path).collect(),
+            written.into_iter().flatten().cloned().collect(),
+        )
+    }
+
     fn options(&self) -> Result<InspectionOptions, Error> {
         if let Some(half) = self.tolerance.filter(|half| half.is_nan() || *half <= 0.0) {
             return Err(Error::usage(format!("--tolerance is {half}, it must be positive"), "give a length"));
