@@ -104,8 +104,10 @@ fn one_step_is_never_worse_and_many_of_them_converge() {
                 assert!(((foot.point - moved[i]).norm() - foot.distance).abs() < 1e-14);
             }
         }
-        let same = feet.iter().zip(&goal).filter(|(a, b)| (a.distance - b.distance).abs() < 1e-9).count();
-        assert!(same >= 980, "{same}");
+        // A walk in one go stops at a kink; one that starts anew for every step may cross it, and come nearer.
+        let reached = feet.iter().zip(&goal).filter(|(a, b)| a.distance <= b.distance + 1e-9).count();
+        let converged = feet.iter().filter(|foot| foot.status.is_converged()).count();
+        assert!(reached >= 995 && converged >= 995, "{reached} {converged}");
     }
 }
 

@@ -25,6 +25,9 @@ pub(super) const SLOPE_NOISE_SQ: f64 = 16.0 * f64::EPSILON * f64::EPSILON;
 /// Relative growth of the squared distance that may be a rounding error.
 pub(super) const GROWTH: f64 = 1.0 + 1e-14;
 
+/// Least share of a step that is tried when the distance grows.
+const LEAST_SHARE: f64 = 1e-4;
+
 /// Determinant of the Hessian, as a share of that of a flat patch, down to which Newton's step is taken.
 pub(super) const DEFINITE: f64 = 1e-12;
 
@@ -202,7 +205,7 @@ impl Geometry {
             if grown || !distance_sq.is_finite() {
                 // Too far: back to the best place, and half of the step.
                 if steps >= max_steps
-                    || shrink < 1e-4
+                    || shrink < LEAST_SHARE
                     || taken[0].abs().max(taken[1].abs()) * shrink < LAST_STEP
                 {
                     best.settled = steps < max_steps;
@@ -226,7 +229,7 @@ impl Geometry {
                 Move::To { patch, local, step, last } => {
                     if last || steps >= max_steps {
                         best.settled = last;
-                        return self.land(x, best, &jet, patch, local, last);
+                        return self.land(x, best, &jet, (patch, local), step, last);
                     }
                     taken = step;
                     (index, at) = (patch, local);
@@ -235,29 +238,36 @@ impl Geometry {
         }
     }
 
-    /// Takes the last step, unless the distance grows by it.
+    /// Takes the last step, to a target, or as much of it as does not let the distance grow.
     #[inline(always)]
     pub(super) fn land(
         &self,
         x: &Vector3<f64>,
         foot: Foot,
         jet: &SurfaceJet,
-        index: usize,
-        local: [f64; 2],
+        mut target: (usize, [f64; 2]),
+        step: [f64; 2],
         short: bool,
     ) -> (Foot, SurfaceJet) {
-        let patch = &self.patches[index];
-        let there = if short && index == foot.patch {
-            moved(jet, [local[0] - foot.local[0], local[1] - foot.local[1]])
-        } else {
-            self.jet(patch, local[0], local[1])
-        };
-        let r = there.point - (x - patch.centre);
-        let distance_sq = dot(&r, &r);
-        if distance_sq <= foot.distance_sq * GROWTH {
-            (Foot { patch: index, local, distance_sq, ..foot }, there)
-        } else {
-            (foot, *jet)
+        let mut shrink = 1.0;
+        loop {
+            let (index, local) = target;
+            let patch = &self.patches[index];
+            let there = if short && index == foot.patch {
+                moved(jet, [local[0] - foot.local[0], local[1] - foot.local[1]])
+            } else {
+                self.jet(patch, local[0], local[1])
+            };
+            let r = there.point - (x - patch.centre);
+            let distance_sq = dot(&r, &r);
+            if distance_sq <= foot.distance_sq * GROWTH {
+                return (Foot { patch: index, local, distance_sq, ..foot }, there);
+            }
+            shrink *= 0.5;
+            if short || shrink < LEAST_SHARE {
+                return (foot, *jet);
+            }
+            target = self.walk(foot.patch, foot.local, [step[0] * shrink, step[1] * shrink]);
         }
     }
 

@@ -40,6 +40,7 @@ struct Round {
     gradient: [Lanes; 2],
     metric: [Lanes; 3],
     hessian: [Lanes; 3],
+    step: [Lanes; 2],
     target: [Lanes; 2],
     /// Bit by bit: lanes that go to the target, inside the patch.
     plain: u32,
@@ -175,7 +176,7 @@ impl Geometry {
         let going = if round.plain >> l & 1 != 0 {
             let local = [round.target[0].0[l], round.target[1].0[l]];
             let last = round.last >> l & 1 != 0;
-            Move::To { patch: index, local, step: [0.0; 2], last }
+            Move::To { patch: index, local, step: round.step.map(|s| s.0[l]), last }
         } else {
             let model = Model {
                 gradient: round.gradient.map(|g| g.0[l]),
@@ -190,10 +191,10 @@ impl Geometry {
                 Err(Outcome::Landed(foot, jet))
             }
             Move::Stop => Err(Outcome::Landed(foot, jet)),
-            Move::To { patch, local, last, .. } => {
+            Move::To { patch, local, step, last } => {
                 if last || steps >= max_steps {
                     foot.settled = last;
-                    let (foot, jet) = self.land(&walker.x, foot, &jet, patch, local, last);
+                    let (foot, jet) = self.land(&walker.x, foot, &jet, (patch, local), step, last);
                     return Err(Outcome::Landed(foot, jet));
                 }
                 if patch == index {
@@ -252,5 +253,5 @@ fn round<const N: usize, const C: usize>(net: &[f64], places: &Places, size: f64
     let short = (distance_sq * (LAST_SHARE[0] * LAST_SHARE[0])).max(Lanes::splat(floor * floor));
     let small = (limit - step[0].abs()).min(limit - step[1].abs());
     let last = small.positive() & (short - length_sq).not_negative();
-    Round { jets, distance_sq, gradient, metric, hessian, target, plain, last }
+    Round { jets, distance_sq, gradient, metric, hessian, step, target, plain, last }
 }

@@ -61,6 +61,8 @@ impl Geometry {
         let stationary = self.is_stationary(patch, foot.local, jet, &r, distance);
         let at_boundary = matches!(location, Location::Edge | Location::Corner);
         let status = match (stationary, at_boundary) {
+            // Squares of the coordinates overflow.
+            _ if !distance.is_finite() => Status::Diverged,
             (true, true) => Status::OnBoundary,
             (true, false) => Status::Converged,
             (false, _) if foot.settled => Status::Stalled,

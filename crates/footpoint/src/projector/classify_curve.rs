@@ -32,6 +32,8 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
         let blocked = (foot.local <= 0.0 && slope > 0.0 && piece.neighbours[0].is_none())
             || (foot.local >= 1.0 && slope < 0.0 && piece.neighbours[1].is_none());
         let status = match (small || blocked, location) {
+            // Squares of the coordinates overflow.
+            _ if !distance.is_finite() => Status::Diverged,
             (true, Location::Edge) => Status::OnBoundary,
             (true, _) => Status::Converged,
             (false, _) if foot.settled => Status::Stalled,
