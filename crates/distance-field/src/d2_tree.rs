@@ -86,7 +86,7 @@ pub struct D2TreeReport {
 }
 
 /// A distance field in which the frames of another are computed once, at the centres of the cells of an octree (a quadtree
-/// in the plane), so that a query needs no footpoint (\[P05, sec. 3.2\], \[LPH03\]).
+/// in the plane), so that a query needs no footpoint (\[P05, sec. 3.2\], \[LPZ03\]).
 ///
 /// A cell stands for the shape by the quadric that osculates it at the foot of the centre; the frame of a query is the one
 /// on this quadric. Cells are divided until the distance it gives agrees with the exact one within a tolerance at the
@@ -177,7 +177,9 @@ impl<const D: usize, F: DistanceField<D>> D2Tree<D, F> {
                 let range = place << D..(place + 1) << D;
                 let error = largest_error(&pending.frame, &parts[range.clone()], &exact[range.clone()], side);
                 let good = error <= tolerance;
-                let full = self.leaves.len() + next.len() + (1 << D) > options.max_leaves;
+                // Every cell that still waits becomes a leaf at least.
+                let waiting = level.len() - place - 1;
+                let full = self.leaves.len() + next.len() + waiting + (1 << D) > options.max_leaves;
                 let deep = depth == options.max_depth || self.cells.len() > (i32::MAX >> 1) as usize;
                 if good || full || deep {
                     self.keep(pending, good, error, depth);
