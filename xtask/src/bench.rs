@@ -37,6 +37,18 @@ const GROUPS: &[(&str, &str, &str)] = &[
          results in the given order are all included. `4096-on-20x20` are 4096 parameters, spread evenly and unsorted, on a \
          net of 20 x 20 control points.",
     ),
+    (
+        "cloud",
+        "Clouds",
+        "Per query, or per point of a cloud of a million points on a wavy surface in no order; queries are ten spacings away \
+         from it. `batch` is on all threads.",
+    ),
+    (
+        "mesh",
+        "Closest points on meshes",
+        "Per query, on a mesh of that many triangles; queries are off the surface by a hundredth of its size. `batch` is on \
+         all threads.",
+    ),
 ];
 
 /// Runs the command.

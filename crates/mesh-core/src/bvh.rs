@@ -1,4 +1,4 @@
-//! A bounding volume hierarchy over boxes, as a flat array.
+//! A bounding volume hierarchy over boxes, as a flat array ([Er05, ch. 6]).
 
 use nalgebra::Point;
 

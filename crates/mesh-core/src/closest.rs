@@ -140,7 +140,7 @@ impl MeshProjector {
     /// The closest points to many points, in their order, on all threads. See [`MeshProjector::project`].
     #[must_use]
     pub fn project_many(&self, points: &[Point3<f64>]) -> Vec<Result<MeshFootpoint, Error>> {
-        parallel::map(points.len(), |i| self.project(&points[i]))
+        parallel::map(points, |i| self.project(&points[i]))
     }
 
     fn nearest(&self, x: &Point3<f64>) -> Option<(usize, TriangleFoot)> {

@@ -1,8 +1,15 @@
-//! Discrete shapes: point clouds and triangle meshes, and the closest points on them.
+//! Discrete shapes: point clouds, polylines and triangle meshes, and what is asked of them.
 //!
 //! A [`PointCloud`] holds positions and, per point, optional normals, colours and named scalars ([`Attributes`]);
 //! a [`TriangleMesh`] holds vertices with the same attributes and triangles that index them.
-//! [`MeshProjector`] answers closest point queries on a mesh, with a sign where the mesh encloses a solid.
+//!
+//! - Closest points: [`MeshProjector`] on a mesh, with a sign where the mesh encloses a solid, [`Polyline`], and
+//!   [`CloudIndex`] for nearest neighbours in a cloud.
+//! - Normals and curvatures: [`estimate_normals`] and [`estimate_curvature`] of clouds, [`TriangleMesh::vertex_normals`]
+//!   and [`MeshCurvature`] of meshes.
+//! - Connectivity: [`HalfEdgeMesh`] with what is wrong with it, [`LoopScheme`] for subdivision surfaces.
+//! - Sampling: [`sample_uniform`], [`sample_poisson_disk`], [`voxel_downsample`], [`farthest_points`], and outliers by
+//!   [`statistical_outliers`] and [`radius_outliers`].
 //!
 //! ```
 //! use mesh_core::{MeshProjector, TriangleMesh, nalgebra::Point3};
@@ -35,6 +42,7 @@ mod polyline;
 mod pseudo_normal;
 mod random;
 mod sampling;
+mod spatial_order;
 mod topology;
 mod triangle;
 mod weld;

@@ -1,8 +1,10 @@
 //! Bézier patches of one or several surfaces, prepared for the search.
 
-use super::bernstein::{basis_jet, binomial};
+use super::bernstein::basis_jet;
 use super::cells::Cells;
-use super::lanes::{Lanes, Row, WIDTH, add_scaled, zero_row};
+use super::lanes::{Lanes, Row, WIDTH};
+use super::pole::Pole;
+use super::products::{Products, elevate_row, product, splitting_rows};
 use super::scratch::Scratch;
 use super::tree::{Bounds, BoxTree};
 use crate::projector::pool::Pool;
@@ -21,12 +23,17 @@ pub(crate) struct Patch {
     pub(crate) cell: [usize; 2],
     pub(crate) degrees: [usize; 2],
     pub(crate) rational: bool,
-    /// Origin of the coordinates in which the net is stored.
+    /// Origin of the coordinates in which the net is stored: the pole, if there is one, so that next to it all
+    /// coefficients are small and so are their rounding errors.
     pub(crate) centre: Vector3<f64>,
     pub(crate) intervals: [Interval; 2],
     /// Bounds of the squared weight function.
     pub(crate) min_weight_sq: f64,
     pub(crate) max_weight_sq: f64,
+    /// Largest distance of a control point from the centre.
+    pub(crate) radius: f64,
+    /// The edge that is collapsed into the centre.
+    pub(crate) pole: Option<Pole>,
     net: usize,
     form: usize,
 }
@@ -58,6 +65,7 @@ pub(crate) struct PatchSet<const K: usize> {
     pub(crate) size: f64,
     /// `halves[0]`, `halves[1]`: row `j` is what coefficient `j` contributes to the lower and upper half.
     pub(crate) halves: [Vec<Row<K>>; 2],
+    pub(crate) products: Products<K>,
     nets: Vec<Homogeneous>,
     forms: Vec<Row<K>>,
     pub(crate) scratch: Pool<Scratch<K>>,
@@ -73,11 +81,13 @@ impl<const K: usize> PatchSet<K> {
             cells: Vec::new(),
             tree: BoxTree::new(&[]),
             size: 0.0,
-            halves: halving_rows(),
+            halves: [Vec::new(), Vec::new()],
+            products: Products::default(),
             nets: Vec::new(),
             forms: Vec::new(),
             scratch: Pool::default(),
         };
+        splitting_rows(0.5, &mut set.halves);
         let mut boxes: Vec<Bounds<3>> = Vec::new();
         for (shape, surface) in surfaces.enumerate() {
             let first = set.patches.len();
@@ -96,18 +106,30 @@ impl<const K: usize> PatchSet<K> {
 
     fn push(&mut self, shape: usize, cell: [usize; 2], patch: &BezierPatch) {
         let [low, high] = bounds(&patch.control_points);
-        let centre = 0.5 * (Vector3::from(low) + Vector3::from(high));
+        let pole = Pole::find(patch);
+        let middle = 0.5 * (Vector3::from(low) + Vector3::from(high));
+        let centre = pole.map_or(middle, |pole| pole.point(patch));
         let weight = |i: usize| patch.weights.as_ref().map_or(1.0, |w| w[i]);
-        let net: Vec<Homogeneous> = (patch.control_points.iter().enumerate())
+        let mut net: Vec<Homogeneous> = (patch.control_points.iter().enumerate())
             .map(|(i, p)| {
                 let (q, w) = ((p - centre) * weight(i), weight(i));
                 [q.x, q.y, q.z, w]
             })
             .collect();
+        if let Some(pole) = pole {
+            // Equal up to rounding errors, and now exactly.
+            pole.edge(patch.degrees).for_each(|i| net[i][..3].fill(0.0));
+        }
+        let radius = patch.control_points.iter().map(|p| (p - centre).norm()).fold(0.0, f64::max);
+        for degree in patch.degrees {
+            self.products.add(degree);
+        }
         let (min, max) = net.iter().fold((f64::INFINITY, 0.0f64), |(a, b), p| (a.min(p[3]), b.max(p[3])));
         self.patches.push(Patch {
             min_weight_sq: min * min,
             max_weight_sq: max * max,
+            radius,
+            pole,
             shape,
             cell,
             degrees: patch.degrees,
@@ -133,38 +155,7 @@ impl<const K: usize> PatchSet<K> {
         }
     }
 
-    /// As [`form`](Self::form), on a box of the patch and with differences taken before products, so that the
-    /// rounding errors are small against the coefficients however small these are.
-    pub(crate) fn fine_form(
-        &self,
-        patch: &Patch,
-        y: &Vector3<f64>,
-        region: &super::scratch::Region,
-        limit_sq: f64,
-        out: &mut [Row<K>],
-    ) {
-        let [p, q] = patch.degrees;
-        let mut net: Vec<Homogeneous> = self.nets[patch.net..patch.net + (p + 1) * (q + 1)]
-            .iter()
-            .map(|c| [c[0] - c[3] * y.x, c[1] - c[3] * y.y, c[2] - c[3] * y.z, c[3]])
-            .collect();
-        for j in 0..=q {
-            restrict(&mut net, j, q + 1, p, region.low[0], region.high[0]);
-        }
-        for i in 0..=p {
-            restrict(&mut net, i * (q + 1), 1, q, region.low[1], region.high[1]);
-        }
-        let product = product(&net, patch.degrees, |a, b| {
-            [a[0] * b[0] + a[1] * b[1] + a[2] * b[2] - limit_sq * (a[3] * b[3])]
-        });
-        for (row, out) in product.chunks(2 * q + 1).zip(out) {
-            *out = elevate_row(row.iter().map(|c| c[0]));
-        }
-    }
-
     /// Bernstein coefficients of `w² (|S − x|² − limit_sq)` on the patch; `y` is `x − centre`.
-    ///
-    /// Returns the size of the terms that were summed, of which rounding errors are a share.
     #[inline(always)]
     pub(crate) fn form(&self, patch: &Patch, y: &Vector3<f64>, limit_sq: f64, out: &mut [Row<K>]) {
         let rows = patch.rows();
@@ -261,79 +252,6 @@ impl<const K: usize> PatchSet<K> {
     }
 }
 
-/// Bernstein coefficients of products of a net with itself, row-major in degrees `(2p, 2q)`.
-fn product<const N: usize>(
-    net: &[Homogeneous],
-    [p, q]: [usize; 2],
-    multiply: impl Fn(&Homogeneous, &Homogeneous) -> [f64; N],
-) -> Vec<[f64; N]> {
-    let columns = 2 * q + 1;
-    let mut out = vec![[0.0; N]; (2 * p + 1) * columns];
-    // Products of Bernstein polynomials are convolutions of the coefficients, up to binomials.
-    let share = |n: usize, i: usize, j: usize| binomial(n, i) * binomial(n, j) / binomial(2 * n, i + j);
-    let shares_v: Vec<f64> = (0..(q + 1) * (q + 1)).map(|k| share(q, k / (q + 1), k % (q + 1))).collect();
-    for i in 0..=p {
-        for k in 0..=p {
-            let share_u = share(p, i, k);
-            for j in 0..=q {
-                for l in 0..=q {
-                    let factor = share_u * shares_v[j * (q + 1) + l];
-                    let value = multiply(&net[i * (q + 1) + j], &net[k * (q + 1) + l]);
-                    let slot = &mut out[(i + k) * columns + j + l];
-                    for c in 0..N {
-                        slot[c] += factor * value[c];
-                    }
-                }
-            }
-        }
-    }
-    out
-}
-
-/// Coefficients raised to the degree of a row, one degree at a time.
-fn elevate_row<const K: usize>(coefficients: impl ExactSizeIterator<Item = f64>) -> Row<K> {
-    let mut degree = coefficients.len() - 1;
-    let mut flat = [[0.0; WIDTH]; K];
-    let b = flat.as_flattened_mut();
-    for (slot, value) in b.iter_mut().zip(coefficients) {
-        *slot = value;
-    }
-    while degree < WIDTH * K - 1 {
-        degree += 1;
-        b[degree] = b[degree - 1];
-        for j in (1..degree).rev() {
-            let share = j as f64 / degree as f64;
-            b[j] = share * b[j - 1] + (1.0 - share) * b[j];
-        }
-    }
-    flat.map(Lanes)
-}
-
-/// Bézier points `net[first + k · stride]`, `k = 0..=n`, restricted to the parameters from `low` to `high`.
-fn restrict(net: &mut [Homogeneous], first: usize, stride: usize, n: usize, low: f64, high: f64) {
-    let mut blend = |a: usize, b: usize, to: usize, s: f64| {
-        for c in 0..4 {
-            net[to][c] = (1.0 - s) * net[a][c] + s * net[b][c];
-        }
-    };
-    let at = |k: usize| first + k * stride;
-    if high < 1.0 {
-        for level in 1..=n {
-            for k in (level..=n).rev() {
-                blend(at(k - 1), at(k), at(k), high);
-            }
-        }
-    }
-    if low > 0.0 {
-        let s = low / high;
-        for level in 1..=n {
-            for k in 0..=n - level {
-                blend(at(k), at(k + 1), at(k), s);
-            }
-        }
-    }
-}
-
 #[inline(always)]
 fn axpy(to: &mut [f64; 4], from: &[f64; 4], factor: f64) {
     for c in 0..4 {
@@ -387,39 +305,6 @@ fn general_jet(net: &[Homogeneous], p: usize, q: usize, s: f64, t: f64) -> [[f64
         accumulate(&mut a, &r, &bu[i]);
     }
     a
-}
-
-/// Rows that take a polynomial of degree `8 K − 1` to its lower and upper half.
-fn halving_rows<const K: usize>() -> [Vec<Row<K>>; 2] {
-    let n = WIDTH * K - 1;
-    let rows = |share: &dyn Fn(usize, usize) -> f64| {
-        (0..=n)
-            .map(|j| {
-                let mut row = zero_row::<K>();
-                for l in 0..=n {
-                    row[l / WIDTH].0[l % WIDTH] = share(j, l);
-                }
-                row
-            })
-            .collect::<Vec<_>>()
-    };
-    let power = |k: usize| 0.5f64.powi(i32::try_from(k).unwrap_or(i32::MAX));
-    [
-        rows(&|j, l| if j <= l { binomial(l, j) * power(l) } else { 0.0 }),
-        rows(&|j, l| if j >= l { binomial(n - l, j - l) * power(n - l) } else { 0.0 }),
-    ]
-}
-
-/// `row` restricted to one of the halves given by [`PatchSet::halves`].
-#[inline(always)]
-pub(crate) fn halve_row<const K: usize>(row: &Row<K>, half: &[Row<K>]) -> Row<K> {
-    let mut out = zero_row::<K>();
-    for k in 0..K {
-        for l in 0..WIDTH {
-            add_scaled(&mut out, &half[k * WIDTH + l], row[k].0[l]);
-        }
-    }
-    out
 }
 
 pub(crate) fn bounds(points: &[Vector3<f64>]) -> Bounds<3> {

@@ -5,7 +5,7 @@ use super::descend::Foot;
 use super::gap::Gap;
 use super::lanes::{row_max, row_min, zero_row};
 use super::patch::PatchSet;
-use super::scratch::{Candidate, Scratch};
+use super::scratch::{Candidate, Region, Scratch};
 use super::tree::{Content, Visit};
 use nalgebra::Vector3;
 
@@ -41,6 +41,7 @@ impl<const K: usize> PatchSet<K> {
         let mut limit_sq = gap.limit_sq(best.distance_sq);
         scratch.candidates.clear();
         scratch.ties.clear();
+        scratch.rivals.clear();
         scratch.visits.clear();
         scratch.visits.push(Visit::root());
         let query = [x.x, x.y, x.z];
@@ -105,8 +106,10 @@ impl<const K: usize> PatchSet<K> {
                 scratch.note_tie(candidate.patch, candidate.place);
             }
         }
+        bound_sq = bound_sq.min(gap.limit_sq(best.distance_sq));
         self.settle(x, &mut best);
-        Found { foot: best, bound_sq: bound_sq.min(gap.limit_sq(best.distance_sq)) }
+        self.polish(x, &mut best, scratch);
+        Found { foot: best, bound_sq: bound_sq.min(best.distance_sq) }
     }
 
     /// Follows the distance downhill from a candidate.
@@ -170,7 +173,8 @@ impl<const K: usize> PatchSet<K> {
             super::lanes::widen(&mut low, &mut high, row);
         }
         let min = row_min(&low);
-        if min >= 0.0 && limit_sq > 0.0 {
+        // What is above zero by less than the rounding errors is left to the proof.
+        if min >= 0.0 && limit_sq > 0.0 && min >= self.noise(patch, &y, &Region::UNIT) {
             // Nearly as near as the footpoint: perhaps a second one.
             if min <= 1e-6 * row_max(&high) {
                 let place = argmin(rows);

@@ -41,6 +41,8 @@ pub(crate) struct CurveScratch<const K: usize> {
     segments: Vec<Segment<K>>,
     /// Places that may be as near as the footpoint.
     pub(crate) ties: Vec<(usize, f64)>,
+    /// Where the iterations from there ended, but for the footpoint.
+    pub(crate) rivals: Vec<CurveFoot>,
 }
 
 impl<const D: usize, const K: usize> PieceSet<D, K> {
@@ -136,6 +138,7 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
         let mut limit_sq = gap.limit_sq(best.distance_sq);
         scratch.candidates.clear();
         scratch.ties.clear();
+        scratch.rivals.clear();
         scratch.visits.clear();
         scratch.visits.push(Visit::root());
         let query: [f64; D] = (*x).into();
@@ -201,8 +204,10 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
                 scratch.ties.push((index, argmin(&row)));
             }
         }
+        bound_sq = bound_sq.min(gap.limit_sq(best.distance_sq));
         self.settle(x, &mut best);
-        (best, bound_sq.min(gap.limit_sq(best.distance_sq)))
+        self.polish(x, &mut best, scratch);
+        (best, bound_sq.min(best.distance_sq))
     }
 
     /// Goes on where the steps ran out: near centres of curvature the convergence is only linear.
