@@ -3,7 +3,7 @@
 mod common;
 
 use common::{Numbers, check_frame, global_frame, sphere_mesh, wavy};
-use distance_field::{CloudField, CloudOptions, DistanceField, Error, ErrorTerm};
+use distance_field::{CloudField, CloudOptions, Error, ErrorTerm};
 use footpoint::Status;
 use nalgebra::{Point3, Vector3};
 use nurbs_core::ParametricSurface;
