@@ -69,7 +69,9 @@ impl CloudOptions {
 /// ```
 #[derive(Clone, Debug)]
 pub struct CloudField {
+    /// Of the points relative to `centre`, as are the patches.
     index: CloudIndex<3>,
+    centre: Vector3<f64>,
     /// One per point of the cloud; unusable where the point is not finite.
     patches: Vec<Patch>,
     bounds: Aabb<3>,
@@ -124,15 +126,14 @@ impl CloudField {
         } else {
             vec![None; points.len()]
         };
-        let index = CloudIndex::new(points)?;
-        let local_index = CloudIndex::new(&local)?;
-        let patches = local_index.map_nearest_n(&local, RING, |i, near| {
+        let index = CloudIndex::new(&local)?;
+        let patches = index.map_nearest_n(&local, RING, |i, near| {
             let plane = || normals.and_then(|normals| plane_frame(normals.get(i)?));
             let frame = frames[i].or_else(plane);
             let border = frame.is_none_or(|frame| is_border(&local, i, near, &frame));
-            Patch { point: points[i].coords, frame, spacing: spacing(near), border }
+            Patch { point: local[i].coords, frame, spacing: spacing(near), border }
         });
-        Ok(Self { index, patches, bounds })
+        Ok(Self { index, centre, patches, bounds })
     }
 
     /// Number of points at the border of the cloud, or where the neighbours span no surface.
@@ -171,7 +172,8 @@ impl DistanceField<3> for CloudField {
         if !x.iter().all(|c| c.is_finite()) {
             return PrincipalFrame::invalid(Status::InvalidPoint);
         }
-        let Some(nearest) = self.index.nearest(&Point3::from(*x)) else {
+        let x = x - self.centre;
+        let Some(nearest) = self.index.nearest(&Point3::from(x)) else {
             return PrincipalFrame::invalid(Status::Diverged);
         };
         let patch = &self.patches[nearest.index];
@@ -191,7 +193,9 @@ impl DistanceField<3> for CloudField {
         };
         // At the border the foot does not leave the cloud.
         let reach = if patch.border { 0.5 } else { REACH } * patch.spacing;
-        frame_nearby(&at_point, x, reach)
+        let mut frame = frame_nearby(&at_point, &x, reach);
+        frame.foot += self.centre;
+        frame
     }
 
     fn bounding_box(&self) -> Aabb<3> {

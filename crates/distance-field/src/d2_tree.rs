@@ -86,12 +86,12 @@ pub struct D2TreeReport {
 }
 
 /// A distance field in which the frames of another are computed once, at the centres of the cells of an octree (a quadtree
-/// in the plane), so that a query needs no footpoint (\[P05, sec. 3.2\], \[LPH03\]).
+/// in the plane), so that a query needs no footpoint (\[P05, sec. 3.2\], \[LPZ03\]).
 ///
 /// A cell stands for the shape by the quadric that osculates it at the foot of the centre; the frame of a query is the one
-/// on this quadric. Cells are divided until the distance it gives agrees with the exact one within a tolerance at the
-/// centres of its parts, scaled up to the corners by the third order of the error. On the cut locus no model holds on both
-/// sides; there the division ends by depth. Queries outside the tree are answered by the field it was made of.
+/// on this quadric. Cells are divided until the distance it gives agrees with the exact one within a tolerance: at the
+/// corners, and at the centres of the parts, scaled up by the third order of the error. On the cut locus no model holds on
+/// both sides; there the division ends by depth. Queries outside the tree are answered by the field it was made of.
 ///
 /// ```
 /// use distance_field::{CurveField, D2Tree, D2TreeOptions, DistanceField};
@@ -171,13 +171,31 @@ impl<const D: usize, F: DistanceField<D>> D2Tree<D, F> {
                 .flat_map(|p| (0..1 << D).map(|part| child_centre(&p.centre, side, part)))
                 .collect();
             let exact = self.field.frames(&parts, Search::Global, &[]);
-            self.report.footpoints += parts.len();
+            // Beyond the centres of the parts, where an edge may cut off a corner of the cell.
+            let corners: Vec<SVector<f64, D>> = level
+                .iter()
+                .flat_map(|p| (0..1 << D).map(|part| child_centre(&p.centre, 2.0 * side, part)))
+                .collect();
+            let exact_corners = self.field.frames(&corners, Search::Global, &[]);
+            self.report.footpoints += parts.len() + corners.len();
             let mut next = Vec::new();
             for (place, pending) in level.iter().enumerate() {
                 let range = place << D..(place + 1) << D;
-                let error = largest_error(&pending.frame, &parts[range.clone()], &exact[range.clone()], side);
+                let errors =
+                    [(&parts, &exact, 8.0), (&corners, &exact_corners, 1.0)].map(|(points, exact, grown)| {
+                        grown
+                            * largest_error(
+                                &pending.frame,
+                                &points[range.clone()],
+                                &exact[range.clone()],
+                                side,
+                            )
+                    });
+                let error = errors[0].max(errors[1]);
                 let good = error <= tolerance;
-                let full = self.leaves.len() + next.len() + (1 << D) > options.max_leaves;
+                // Every cell that still waits becomes a leaf at least.
+                let waiting = level.len() - place - 1;
+                let full = self.leaves.len() + next.len() + waiting + (1 << D) > options.max_leaves;
                 let deep = depth == options.max_depth || self.cells.len() > (i32::MAX >> 1) as usize;
                 if good || full || deep {
                     self.keep(pending, good, error, depth);
@@ -256,22 +274,20 @@ fn child_centre<const D: usize>(centre: &SVector<f64, D>, side: f64, part: usize
     SVector::from_fn(|d, _| centre[d] + if part >> d & 1 == 1 { 0.25 } else { -0.25 } * side)
 }
 
-/// The largest error of the distance to be expected in a cell, from the errors at the centres of its parts.
+/// The largest error of the distance that the quadric of a frame gives at some points.
 fn largest_error<const D: usize>(
     frame: &PrincipalFrame<D>,
     points: &[SVector<f64, D>],
     exact: &[PrincipalFrame<D>],
     side: f64,
 ) -> f64 {
-    // Twice as far away an error of the third order is eight times as large.
-    let grown = |error: f64| 8.0 * error;
     let error = |(x, exact): (&SVector<f64, D>, &PrincipalFrame<D>)| {
-        let here = frame_nearby(frame, x, side);
         // At edges either side may be called positive.
-        grown((here.distance.abs() - exact.distance.abs()).abs())
+        (frame_nearby(frame, x, side).distance.abs() - exact.distance.abs()).abs()
     };
-    let largest = points.iter().zip(exact).map(error).fold(0.0, f64::max);
-    if largest.is_nan() || !frame.is_finite() { f64::INFINITY } else { largest }
+    let errors = points.iter().zip(exact).map(error);
+    let largest = errors.fold(0.0, |a: f64, b| if b.is_nan() { f64::INFINITY } else { a.max(b) });
+    if frame.is_finite() { largest } else { f64::INFINITY }
 }
 
 impl<const D: usize, F: DistanceField<D>> DistanceField<D> for D2Tree<D, F> {

@@ -2,7 +2,8 @@
 #![allow(dead_code, reason = "each test uses a part")]
 
 use distance_field::{DistanceField, ErrorTerm, Hint, PrincipalFrame, Search};
-use nalgebra::{SVector, Vector3};
+use mesh_core::{TriangleMesh, VertexWelder};
+use nalgebra::{Point3, SVector, Vector3};
 use nurbs_core::{BsplineSurface, KnotVector};
 
 /// A small deterministic generator of numbers in [−1, 1].
@@ -107,4 +108,44 @@ pub(crate) fn global_frame<const D: usize, F: DistanceField<D>>(
     x: &SVector<f64, D>,
 ) -> PrincipalFrame<D> {
     field.frame(x, Search::Global, &Hint::NONE)
+}
+
+/// A closed mesh whose vertices lie on a sphere around the origin: a cube with `n × n` squares on each side, blown up.
+pub(crate) fn sphere_mesh(n: u16, radius: f64) -> TriangleMesh {
+    let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
+    // The same numbers on all sides, up to the sign, and exactly 1 at the edges of the cube.
+    let at = |i: u16| {
+        let share = (2.0 * f64::from(i) - f64::from(n)) / f64::from(n);
+        if share.abs() == 1.0 { share } else { (std::f64::consts::FRAC_PI_4 * share).tan() }
+    };
+    let mut welder = VertexWelder::with_capacity(0);
+    for side in 0..6usize {
+        let sign = if side < 3 { 1.0 } else { -1.0 };
+        let corner = |i: u16, j: u16| {
+            let mut p = Vector3::zeros();
+            p[side % 3] = 1.0;
+            p[(side + 1) % 3] = at(i);
+            p[(side + 2) % 3] = at(j);
+            Point3::from(p * sign)
+        };
+        for i in 0..n {
+            for j in 0..n {
+                let quad =
+                    [corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)].map(|p| {
+                        let index = welder.insert(p).unwrap();
+                        if index as usize == vertices.len() {
+                            vertices.push(Point3::from(p.coords.normalize() * radius));
+                        }
+                        index
+                    });
+                let [a, b, c, d] = quad;
+                if sign > 0.0 {
+                    triangles.extend([[a, b, c], [a, c, d]]);
+                } else {
+                    triangles.extend([[a, c, b], [a, d, c]]);
+                }
+            }
+        }
+    }
+    TriangleMesh::new(vertices, triangles).unwrap()
 }
