@@ -42,7 +42,8 @@ fn main() -> Outcome<()> {
         if inliers_only {
             case.points.truncate(case.inliers);
         }
-        let (mut errors, mut counts, mut evaluations, mut seconds) = (Vec::new(), Vec::new(), Vec::new(), 0.0);
+        let (mut errors, mut counts, mut evaluations, mut seconds) =
+            (Vec::new(), Vec::new(), Vec::new(), 0.0);
         for (degrees, start) in case.starts.iter().filter(|s| s.0 <= angle).step_by(every) {
             let clock = Instant::now();
             let report = register(&case.field, &Source::new(&case.points), start, &options)?;
@@ -55,7 +56,15 @@ fn main() -> Outcome<()> {
                 for (i, s) in report.history.iter().enumerate() {
                     println!(
                         "    {:2} {:10} {:10} {:6} points rms {:.6e} motion {:.2e} damping {:.0e} eval {} scale {:?}",
-                        i + 1, s.stage, s.step, s.points, s.rms, s.motion, s.damping, s.evaluations, s.scale
+                        i + 1,
+                        s.stage,
+                        s.step,
+                        s.points,
+                        s.rms,
+                        s.motion,
+                        s.damping,
+                        s.evaluations,
+                        s.scale
                     );
                 }
             }
@@ -67,9 +76,12 @@ fn main() -> Outcome<()> {
         let good = errors.iter().filter(|e| **e <= limit).count();
         println!(
             "{folder}: {good} of {n}; {:.2e} {:.2e}; {} {}; {} {}; {:.1}",
-            median(&mut errors), errors[n - 1],
-            median(&mut counts), counts[n - 1],
-            median(&mut evaluations), evaluations[n - 1],
+            median(&mut errors),
+            errors[n - 1],
+            median(&mut counts),
+            counts[n - 1],
+            median(&mut evaluations),
+            evaluations[n - 1],
             seconds * 1e3 / n as f64
         );
     }
@@ -82,9 +94,7 @@ fn method(name: &str) -> Outcome<Method> {
         "newton" => Method::Newton,
         "symmetric" => Method::Symmetric,
         "anderson_point" => Method::AndersonPoint,
-        _ => Method::Term(
-            ErrorTerm::ALL.into_iter().find(|t| t.name() == name).ok_or("no such method")?,
-        ),
+        _ => Method::Term(ErrorTerm::ALL.into_iter().find(|t| t.name() == name).ok_or("no such method")?),
     })
 }
 
@@ -128,7 +138,8 @@ impl Case {
 
     fn error(&self, found: &Pose<3>) -> f64 {
         let inliers = &self.points[..self.inliers];
-        let sum: f64 = inliers.iter().map(|x| (found.apply(x) - self.reference.apply(x)).norm_squared()).sum();
+        let sum: f64 =
+            inliers.iter().map(|x| (found.apply(x) - self.reference.apply(x)).norm_squared()).sum();
         (sum / inliers.len() as f64).sqrt() / self.diameter
     }
 }

@@ -1,7 +1,7 @@
 //! Anderson acceleration of a fixed point iteration of poses.
 
-use crate::motion::rotation::{exponential, logarithm};
 use crate::motion::MAX_UNKNOWNS;
+use crate::motion::rotation::{exponential, logarithm};
 use crate::{Pose, Velocity};
 use nalgebra::{DMatrix, DVector, SVector};
 
@@ -84,7 +84,10 @@ mod tests {
         let goal = Vector3::new(0.3, -0.2, 0.0);
         let plain = |pose: &Pose<3>| {
             let left = goal - pose.target_origin;
-            Pose { target_origin: pose.target_origin + Vector3::new(0.1 * left.x, 0.3 * left.y, 0.0), ..*pose }
+            Pose {
+                target_origin: pose.target_origin + Vector3::new(0.1 * left.x, 0.3 * left.y, 0.0),
+                ..*pose
+            }
         };
         let mut anderson = Anderson::new(Pose::identity(), 1.0);
         let mut pose = Pose::<3>::identity();

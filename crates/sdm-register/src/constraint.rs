@@ -99,12 +99,20 @@ impl<const D: usize> Chart<D> {
 
     /// Coordinates of a rotation vector in the axes of the locks.
     fn to_axes(&self, w: &Vector3<f64>) -> Vector3<f64> {
-        if D == 2 { *w } else { Vector3::from_fn(|i, _| (0..D).map(|k| self.locks.axes[(k, i)] * w[k]).sum()) }
+        if D == 2 {
+            *w
+        } else {
+            Vector3::from_fn(|i, _| (0..D).map(|k| self.locks.axes[(k, i)] * w[k]).sum())
+        }
     }
 
     /// The rotation vector of coordinates in the axes of the locks.
     fn from_axes(&self, w: &Vector3<f64>) -> Vector3<f64> {
-        if D == 2 { *w } else { Vector3::from_fn(|k, _| (0..D).map(|i| self.locks.axes[(k, i)] * w[i]).sum()) }
+        if D == 2 {
+            *w
+        } else {
+            Vector3::from_fn(|k, _| (0..D).map(|i| self.locks.axes[(k, i)] * w[i]).sum())
+        }
     }
 
     /// The unknowns at a pose.
@@ -209,9 +217,7 @@ impl<const D: usize> Freedom<D> {
 
     /// A vector in the unknowns that are left.
     pub(crate) fn reduce_vector(&self, vector: &Unknowns) -> DVector<f64> {
-        DVector::from_fn(self.count(), |j, _| {
-            (0..MAX_UNKNOWNS).map(|i| self.basis[(i, j)] * vector[i]).sum()
-        })
+        DVector::from_fn(self.count(), |j, _| (0..MAX_UNKNOWNS).map(|i| self.basis[(i, j)] * vector[i]).sum())
     }
 
     /// The second derivatives of the motion in the unknowns that are left.

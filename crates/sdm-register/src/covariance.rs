@@ -53,7 +53,11 @@ impl<const D: usize> Covariance<D> {
             origin,
             sigma: variance.sqrt(),
             degrees_of_freedom,
-            conditioning: if scaled.extremes[1] > 0.0 { scaled.extremes[0] / scaled.extremes[1] } else { 0.0 },
+            conditioning: if scaled.extremes[1] > 0.0 {
+                scaled.extremes[0] / scaled.extremes[1]
+            } else {
+                0.0
+            },
         }
     }
 
@@ -77,6 +81,9 @@ impl<const D: usize> Covariance<D> {
         let eigen = SymmetricEigen::new(correlation);
         let y = eigen.eigenvectors.tr_mul(&x);
         let largest = eigen.eigenvalues.amax();
-        (0..n).filter(|&i| eigen.eigenvalues[i] > 1e-12 * largest).map(|i| y[i] * y[i] / eigen.eigenvalues[i]).sum()
+        (0..n)
+            .filter(|&i| eigen.eigenvalues[i] > 1e-12 * largest)
+            .map(|i| y[i] * y[i] / eigen.eigenvalues[i])
+            .sum()
     }
 }

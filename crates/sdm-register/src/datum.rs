@@ -55,7 +55,14 @@ pub struct DatumReport<const D: usize> {
 
 impl<const D: usize> std::fmt::Display for DatumReport<D> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{} after {} steps, {} targets, rms {:.4e}", self.status, self.iterations, self.residuals.len(), self.rms)
+        write!(
+            f,
+            "{} after {} steps, {} targets, rms {:.4e}",
+            self.status,
+            self.iterations,
+            self.residuals.len(),
+            self.rms
+        )
     }
 }
 
@@ -65,7 +72,10 @@ impl<const D: usize> std::fmt::Display for DatumReport<D> {
 /// # Errors
 /// [`Error::OpenDatum`] if the targets do not fix the motion, [`Error::NotFinite`] for a target that is not finite,
 /// [`Error::Weight`] for a weight that is negative or not finite.
-pub fn align_datum<const D: usize>(targets: &[DatumTarget<D>], start: &Pose<D>) -> Result<DatumReport<D>, Error> {
+pub fn align_datum<const D: usize>(
+    targets: &[DatumTarget<D>],
+    start: &Pose<D>,
+) -> Result<DatumReport<D>, Error> {
     check(targets)?;
     let unknowns = rigid_unknowns(D);
     if targets.len() < unknowns {
@@ -135,7 +145,10 @@ fn cost_of<const D: usize>(targets: &[DatumTarget<D>], pose: &Pose<D>) -> f64 {
 fn system_of<const D: usize>(targets: &[DatumTarget<D>], pose: &Pose<D>) -> NormalSystem<D> {
     let mut system = NormalSystem::default();
     for target in targets.iter().filter(|t| t.weight > 0.0) {
-        let row = Velocity::<D>::row(&target.direction.normalize(), &(pose.apply(&target.point) - pose.target_origin));
+        let row = Velocity::<D>::row(
+            &target.direction.normalize(),
+            &(pose.apply(&target.point) - pose.target_origin),
+        );
         add_square::<D>(&mut system.tangent, &row, target.weight);
         system.add_gradient(&row, target.weight * residual(target, pose));
     }
@@ -169,10 +182,8 @@ mod tests {
     #[test]
     fn three_two_one_is_exact() {
         let back = moved();
-        let targets: Vec<_> = nominal()
-            .into_iter()
-            .map(|(q, e)| DatumTarget::new(back.inverse().apply(&q), q, e))
-            .collect();
+        let targets: Vec<_> =
+            nominal().into_iter().map(|(q, e)| DatumTarget::new(back.inverse().apply(&q), q, e)).collect();
         let report = align_datum(&targets, &Pose::identity()).unwrap();
         assert!(report.status.is_converged() && report.rms < 1e-13, "{report}");
         let x = Vector3::new(1.0, 2.0, 3.0);

@@ -56,16 +56,18 @@ impl<const D: usize> FreeMotion<D> {
         let mut named = Vec::new();
         // Combinations without a rotation are the null space of the Gram matrix of the rotations (and growths).
         let turn = |v: &Velocity<D>| v.rotation.insert_row(3, v.growth);
-        let gram = DMatrix::from_fn(fields.len(), fields.len(), |i, j| turn(&fields[i]).dot(&turn(&fields[j])));
+        let gram =
+            DMatrix::from_fn(fields.len(), fields.len(), |i, j| turn(&fields[i]).dot(&turn(&fields[j])));
         let eigen = SymmetricEigen::new(gram);
         let combine = |k: usize| {
-            fields.iter().zip(eigen.eigenvectors.column(k).iter()).fold(Velocity::zero(), |sum: Velocity<D>, (v, &f)| {
-                Velocity {
+            fields.iter().zip(eigen.eigenvectors.column(k).iter()).fold(
+                Velocity::zero(),
+                |sum: Velocity<D>, (v, &f)| Velocity {
                     translation: sum.translation + v.translation * f,
                     rotation: sum.rotation + v.rotation * f,
                     growth: sum.growth + v.growth * f,
-                }
-            })
+                },
+            )
         };
         let turns = |k: &usize| eigen.eigenvalues[*k] > NONE * NONE;
         let mut directions: Vec<SVector<f64, D>> = Vec::new();
@@ -107,7 +109,11 @@ impl<const D: usize> FreeMotion<D> {
         let from_origin = v.rotation.cross(&translation) / square;
         let point = SVector::from_fn(|i, _| origin[i] + from_origin[i]);
         let pitch = v.pitch().unwrap_or(0.0);
-        if pitch.abs() <= NONE * length { Self::Rotation { axis, point } } else { Self::Helical { axis, point, pitch } }
+        if pitch.abs() <= NONE * length {
+            Self::Rotation { axis, point }
+        } else {
+            Self::Helical { axis, point, pitch }
+        }
     }
 }
 
@@ -169,7 +175,11 @@ mod tests {
     fn the_classical_shapes() {
         let origin = Vector3::new(10.0, 0.0, 0.0);
         let names = |fields: &[Velocity<3>]| {
-            FreeMotion::name_all(fields, &origin, 1.0).iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
+            FreeMotion::name_all(fields, &origin, 1.0)
+                .iter()
+                .map(ToString::to_string)
+                .collect::<Vec<_>>()
+                .join("; ")
         };
         let point = Vector3::new(1.0, 2.0, 0.0);
         assert_eq!(
@@ -179,17 +189,17 @@ mod tests {
         assert!(names(&[turn(Vector3::z(), point, 0.5)]).ends_with("with pitch 0.500000"));
         // A cylinder, given by two helical motions.
         let cylinder = names(&[turn(Vector3::z(), point, 0.5), turn(Vector3::z(), point, -1.0)]);
-        assert!(cylinder.starts_with("translation along") && cylinder.contains("; rotation about"), "{cylinder}");
+        assert!(
+            cylinder.starts_with("translation along") && cylinder.contains("; rotation about"),
+            "{cylinder}"
+        );
         let plane = [slide(Vector3::x()), slide(Vector3::y() * 3.0), turn(Vector3::z(), point, 0.0)];
         let plane = names(&plane);
         assert_eq!((plane.matches("translation").count(), plane.matches("rotation").count()), (2, 1));
         let sphere = [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| turn(axis, point, 0.0));
         assert_eq!(names(&sphere).matches("through").count(), 3);
-        let in_plane = Velocity::<2> {
-            translation: SVector::from([2.0, -1.0]),
-            rotation: Vector3::x(),
-            growth: 0.0,
-        };
+        let in_plane =
+            Velocity::<2> { translation: SVector::from([2.0, -1.0]), rotation: Vector3::x(), growth: 0.0 };
         let named = FreeMotion::name_all(&[in_plane], &SVector::zeros(), 1.0);
         assert_eq!(named, [FreeMotion::Rotation { axis: Vector3::z(), point: SVector::from([1.0, 2.0]) }]);
         assert!(in_plane.at(&SVector::from([1.0, 2.0])).norm() < 1e-15);

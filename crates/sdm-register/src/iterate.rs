@@ -140,7 +140,9 @@ impl<const D: usize> Problem<'_, D> {
             damping: 0.0,
             last_motion: f64::INFINITY,
             evaluations: 0,
-            anderson: (stage.method == Method::AndersonPoint && !self.options.locks.any() && !self.options.scale)
+            anderson: (stage.method == Method::AndersonPoint
+                && !self.options.locks.any()
+                && !self.options.scale)
                 .then(|| Anderson::new(start, stage.cloud.diagonal)),
         };
         let mut iterations = 0;
@@ -195,7 +197,8 @@ struct Trial<const D: usize> {
 impl<const D: usize> Run<'_, D> {
     fn refresh_weights(&mut self) {
         self.base = self.view.base_weights(self.stage.cloud, &self.stage.rejection);
-        let mut distances = if self.stage.rule.adapts() { self.view.distances(&self.base) } else { Vec::new() };
+        let mut distances =
+            if self.stage.rule.adapts() { self.view.distances(&self.base) } else { Vec::new() };
         self.weighting = self.stage.rule.weighting(&mut distances);
     }
 
@@ -306,7 +309,13 @@ impl<const D: usize> Run<'_, D> {
         self.attempt_pose(models, pose, step, factor)
     }
 
-    fn attempt_pose(&mut self, models: &Models<D>, pose: Pose<D>, step: DVector<f64>, factor: f64) -> Trial<D> {
+    fn attempt_pose(
+        &mut self,
+        models: &Models<D>,
+        pose: Pose<D>,
+        step: DVector<f64>,
+        factor: f64,
+    ) -> Trial<D> {
         let motion = self.motion(models, &step);
         let search = match self.problem.options.footpoints {
             FootpointPolicy::Full => Search::Global,
@@ -374,7 +383,8 @@ impl<const D: usize> Run<'_, D> {
                         return Some(trial);
                     }
                     self.damping = (self.damping * 10.0).max(DAMPING[0]);
-                    if self.damping > DAMPING[1] || newton.is_some() && self.stage.method == Method::Adaptive {
+                    if self.damping > DAMPING[1] || newton.is_some() && self.stage.method == Method::Adaptive
+                    {
                         return None;
                     }
                 }

@@ -157,7 +157,8 @@ mod tests {
 
     /// The turn about a pivot, the unknowns being those of the pivot.
     fn about(v: &Velocity<3>, pivot: &Vector3<f64>) -> crate::Displacement<3> {
-        let shifted = Velocity { translation: v.translation - v.rotation.cross(pivot) - pivot * v.growth, ..*v };
+        let shifted =
+            Velocity { translation: v.translation - v.rotation.cross(pivot) - pivot * v.growth, ..*v };
         shifted.about(pivot)
     }
 
@@ -196,12 +197,18 @@ mod tests {
                         u[j] += b * h;
                         cost(&points, &u, pivot.as_ref())
                     };
-                    let second = (at(1.0, 1.0) - at(1.0, -1.0) - at(-1.0, 1.0) + at(-1.0, -1.0)) / (4.0 * h * h);
-                    assert!((second - hessian[(i, j)]).abs() < 1e-4, "{pivot:?} {i} {j}: {second} {}", hessian[(i, j)]);
+                    let second =
+                        (at(1.0, 1.0) - at(1.0, -1.0) - at(-1.0, 1.0) + at(-1.0, -1.0)) / (4.0 * h * h);
+                    assert!(
+                        (second - hessian[(i, j)]).abs() < 1e-4,
+                        "{pivot:?} {i} {j}: {second} {}",
+                        hessian[(i, j)]
+                    );
                 }
                 let mut u = Unknowns::zeros();
                 u[i] = h;
-                let first = (cost(&points, &u, pivot.as_ref()) - cost(&points, &-u, pivot.as_ref())) / (2.0 * h);
+                let first =
+                    (cost(&points, &u, pivot.as_ref()) - cost(&points, &-u, pivot.as_ref())) / (2.0 * h);
                 assert!((first - system.vector[i]).abs() < 1e-4);
             }
         }

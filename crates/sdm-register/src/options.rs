@@ -127,7 +127,11 @@ impl<const D: usize> RegisterOptions<D> {
     /// Checks every number.
     pub(crate) fn check(&self) -> Result<(), Error> {
         let at_least = |name, value: f64, low: f64, allowed| {
-            if value >= low && value.is_finite() { Ok(()) } else { Err(Error::Option { name, value, allowed }) }
+            if value >= low && value.is_finite() {
+                Ok(())
+            } else {
+                Err(Error::Option { name, value, allowed })
+            }
         };
         let positive = |name, value: f64| {
             if value > 0.0 && value.is_finite() {

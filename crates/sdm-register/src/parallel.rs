@@ -8,10 +8,7 @@ const CHUNK: usize = 1024;
 
 /// The results of `f` on consecutive ranges of `0..count`, in their order.
 pub(crate) fn ranges<T: Send>(count: usize, f: impl Fn(Range<usize>) -> T + Sync + Send) -> Vec<T> {
-    (0..count.div_ceil(CHUNK))
-        .into_par_iter()
-        .map(|k| f(k * CHUNK..((k + 1) * CHUNK).min(count)))
-        .collect()
+    (0..count.div_ceil(CHUNK)).into_par_iter().map(|k| f(k * CHUNK..((k + 1) * CHUNK).min(count))).collect()
 }
 
 /// `[f(0), f(1), …, f(count − 1)]`, in parallel.

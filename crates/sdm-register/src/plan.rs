@@ -31,7 +31,6 @@ pub(crate) struct Plan<'a, const D: usize> {
     pub(crate) evaluations: usize,
 }
 
-
 impl<'a, const D: usize> Plan<'a, D> {
     pub(crate) fn new(problem: &'a Problem<'a, D>, cloud: &'a Prepared<D>) -> Self {
         let step = cloud.points.len() / problem.options.coarse_points.max(1);
@@ -210,7 +209,8 @@ impl<'a, const D: usize> Plan<'a, D> {
             let outcome = self.problem.run(&stage, view, &mut self.history);
             self.evaluations += outcome.evaluations;
             let next = limit(&outcome.view);
-            if repetition == 3 || !outcome.status.is_converged() || (next - distance).abs() <= 0.02 * distance {
+            if repetition == 3 || !outcome.status.is_converged() || (next - distance).abs() <= 0.02 * distance
+            {
                 return outcome;
             }
             (view, distance) = (outcome.view, next);

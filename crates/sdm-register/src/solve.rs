@@ -77,7 +77,8 @@ impl Scaled {
         let zero = DVector::zeros(self.units.len());
         let spectrum = self.spectrum(matrix, &zero);
         let vectors = &self.fixed * &spectrum.eigen.eigenvectors;
-        let inverse = DMatrix::from_diagonal(&spectrum.eigen.eigenvalues.map(|x| if x > 0.0 { 1.0 / x } else { 0.0 }));
+        let inverse =
+            DMatrix::from_diagonal(&spectrum.eigen.eigenvalues.map(|x| if x > 0.0 { 1.0 / x } else { 0.0 }));
         scale(&(&vectors * inverse * vectors.transpose()), &self.units)
     }
 }
@@ -129,7 +130,9 @@ mod tests {
             let units = DVector::from_vec(vec![1.0 / length, 1.0]);
             let (matrix, b) = (scale(&matrix, &units), b.component_mul(&units));
             let scaled = Scaled::new(&matrix, &[true, false], length, 1e-10);
-            scaled.step(&scaled.spectrum(&matrix, &b), 0.5).component_div(&DVector::from_vec(vec![length, 1.0]))
+            scaled
+                .step(&scaled.spectrum(&matrix, &b), 0.5)
+                .component_div(&DVector::from_vec(vec![length, 1.0]))
         };
         assert!((step(1.0) - step(1e3)).norm() < 1e-14);
     }

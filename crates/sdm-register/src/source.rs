@@ -190,7 +190,9 @@ mod tests {
         let nan = Vector3::new(0.0, f64::NAN, 0.0);
         assert!(matches!(error(&[nan; 9]), Error::TooFewPoints { total: 9, finite: 0, .. }));
         assert!(matches!(error(&[Vector3::new(1.0, 2.0, 3.0); 9]), Error::Collinear { .. }));
-        let line: Vec<_> = (0..50).map(|i| Vector3::new(1e6, -3.0, 2.0) + Vector3::new(0.3, 0.1, -0.2) * f64::from(i)).collect();
+        let line: Vec<_> = (0..50)
+            .map(|i| Vector3::new(1e6, -3.0, 2.0) + Vector3::new(0.3, 0.1, -0.2) * f64::from(i))
+            .collect();
         assert!(matches!(error(&line), Error::Collinear { .. }));
         let mut plane = line.clone();
         plane.push(Vector3::new(1e6, 0.0, 0.0));
@@ -209,7 +211,8 @@ mod tests {
         let source = Source::new(&points);
         let short = Prepared::new(&source.with_weights(&[1.0]), NonFinite::Drop).unwrap_err();
         assert_eq!(short, Error::Length { what: "weights", found: 1, points: 4 });
-        let negative = Prepared::new(&source.with_weights(&[1.0, 1.0, -1.0, 1.0]), NonFinite::Drop).unwrap_err();
+        let negative =
+            Prepared::new(&source.with_weights(&[1.0, 1.0, -1.0, 1.0]), NonFinite::Drop).unwrap_err();
         assert_eq!(negative, Error::Weight { index: 2, value: -1.0 });
         let zero = Prepared::new(&source.with_weights(&[1.0, 1.0, 0.0, 1.0]), NonFinite::Drop).unwrap();
         assert_eq!(zero.points.len(), 3);

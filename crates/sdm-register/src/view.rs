@@ -72,7 +72,8 @@ impl<const D: usize> View<D> {
             for i in range {
                 if base[i] > 0.0 {
                     let distance = self.frames[i].distance;
-                    sum += base[i] * if distance.is_nan() { f64::INFINITY } else { weighting.worth(distance).cost };
+                    sum += base[i]
+                        * if distance.is_nan() { f64::INFINITY } else { weighting.worth(distance).cost };
                 }
             }
             sum
@@ -168,8 +169,11 @@ fn add_point<const D: usize>(
             continue;
         }
         let share = terms.term.tangent_weight(frame.distance, frame.curvatures[k]);
-        let exact =
-            if terms.taylor { ErrorTerm::Taylor.tangent_weight(frame.distance, frame.curvatures[k]) } else { 0.0 };
+        let exact = if terms.taylor {
+            ErrorTerm::Taylor.tangent_weight(frame.distance, frame.curvatures[k])
+        } else {
+            0.0
+        };
         if share == 0.0 && exact == 0.0 {
             continue;
         }

@@ -4,9 +4,7 @@ mod common;
 
 use common::case;
 use distance_field::ErrorTerm;
-use sdm_register::{
-    FootpointPolicy, Method, Outliers, RegisterOptions, Source, StepControl, register,
-};
+use sdm_register::{FootpointPolicy, Method, Outliers, RegisterOptions, Source, StepControl, register};
 use std::fmt::Write as _;
 
 #[test]
@@ -26,7 +24,8 @@ fn large_residuals_converge_quadratically() {
         let case = case(name);
         for (degrees, start) in case.starts.iter().step_by(17) {
             let report =
-                register(&case.field, &Source::new(&case.points), start, &RegisterOptions::default()).unwrap();
+                register(&case.field, &Source::new(&case.points), start, &RegisterOptions::default())
+                    .unwrap();
             assert!(report.is_converged() && case.error(&report.pose) <= 1e-12, "{name} {degrees}: {report}");
             assert!(report.iterations <= 10, "{name} {degrees}: {report}");
         }

@@ -77,7 +77,10 @@ fn locks_give_the_constrained_minimum() {
                     target_origin: locks.origin + axes * t,
                     ..Pose::new(turn(axes * w), Vector3::zeros())
                 };
-                assert!(cost(&start.followed_by(&about)) >= least * (1.0 - 1e-9), "{translations:?} {rotations:?}");
+                assert!(
+                    cost(&start.followed_by(&about)) >= least * (1.0 - 1e-9),
+                    "{translations:?} {rotations:?}"
+                );
             }
         }
     }
@@ -90,7 +93,11 @@ fn the_scale_is_found() {
     let field = SurfaceField::new(&model()).unwrap();
     let options = RegisterOptions::default().with_scale(true).with_outliers(Outliers::None);
     let report = register(&field, &Source::new(&small), &near(&truth, 0.05), &options).unwrap();
-    assert!(report.is_converged() && (report.pose.scale - 1.03).abs() < 1e-12, "{report} {}", report.pose.scale);
+    assert!(
+        report.is_converged() && (report.pose.scale - 1.03).abs() < 1e-12,
+        "{report} {}",
+        report.pose.scale
+    );
 }
 
 #[test]
@@ -101,7 +108,8 @@ fn units_and_origins_do_not_matter() {
     let field = SurfaceField::new(&model()).unwrap();
     let plain = register(&field, &Source::new(&points), &start, &options).unwrap().pose;
     for (unit, far) in [(1e3, 0.0), (1e-3, 0.0), (1.0, 2e5), (1e3, 2e5)] {
-        let (a, b) = (Vector3::new(0.6, -0.64, 0.48) * far * unit, Vector3::new(-0.48, 0.6, 0.64) * far * unit);
+        let (a, b) =
+            (Vector3::new(0.6, -0.64, 0.48) * far * unit, Vector3::new(-0.48, 0.6, 0.64) * far * unit);
         let surface = model().scaled(unit, &Vector3::zeros()).unwrap().translated(&b).unwrap();
         let field = SurfaceField::new(&surface).unwrap();
         let there = |pose: &Pose<3>| Pose {
@@ -141,7 +149,10 @@ fn free_motions_are_named_and_left_alone() {
         assert_eq!(report.free_motions.len(), free, "{name}: {report}");
         let translations =
             report.free_motions.iter().filter(|m| matches!(m, FreeMotion::Translation { .. })).count();
-        assert_eq!(translations, [("plane", 2), ("sphere", 0), ("cylinder", 1)].into_iter().find(|x| x.0 == name).unwrap().1);
+        assert_eq!(
+            translations,
+            [("plane", 2), ("sphere", 0), ("cylinder", 1)].into_iter().find(|x| x.0 == name).unwrap().1
+        );
         // Started again from the result moved along the free motions it stays there.
         let slid = match name {
             "plane" => Pose::new(turn(Vector3::z() * 0.2), Vector3::new(0.5, 0.3, 0.0)),
@@ -198,14 +209,16 @@ fn bad_input_is_an_error_or_a_status() {
 
 #[test]
 fn curves_in_the_plane() {
-    let control = [[0.0, 0.0], [1.0, 2.0], [3.0, 2.5], [4.0, -1.0], [6.0, 0.5], [7.0, 3.0]].map(Vector2::from);
+    let control =
+        [[0.0, 0.0], [1.0, 2.0], [3.0, 2.5], [4.0, -1.0], [6.0, 0.5], [7.0, 3.0]].map(Vector2::from);
     let knots = KnotVector::new(3, vec![0.0, 0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 3.0, 3.0, 3.0]).unwrap();
     let curve = BsplineCurve::<2>::new(knots, control.to_vec(), None).unwrap();
     let field = CurveField::new(&curve).unwrap();
     let truth = Pose::new(rotation::exponential::<2>(&(Vector3::x() * 0.4)).0, Vector2::new(5.0, -3.0));
     let points: Vec<_> =
         (0..200).map(|i| truth.inverse().apply(&curve.point(0.1 + 2.8 * f64::from(i) / 199.0))).collect();
-    let start = truth.followed_by(&Pose::new(rotation::exponential::<2>(&(Vector3::x() * 0.2)).0, Vector2::new(0.2, 0.3)));
+    let start = truth
+        .followed_by(&Pose::new(rotation::exponential::<2>(&(Vector3::x() * 0.2)).0, Vector2::new(0.2, 0.3)));
     let report = register(&field, &Source::new(&points), &start, &RegisterOptions::default()).unwrap();
     assert!(report.is_converged() && distance(&points, &report.pose, &truth) < 1e-12, "{report}");
     assert_eq!(report.covariance.unwrap().rows.len(), 3);

@@ -6,9 +6,7 @@
 use distance_field::SurfaceField;
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 use nurbs_core::{BsplineSurface, Frame, KnotVector, ParametricSurface, Sphere};
-use sdm_register::{
-    FootpointPolicy, Method, Outliers, Pose, RegisterOptions, Source, StepControl, register,
-};
+use sdm_register::{FootpointPolicy, Method, Outliers, Pose, RegisterOptions, Source, StepControl, register};
 use std::error::Error;
 use std::f64::consts::PI;
 use std::fmt::Write as _;
@@ -19,8 +17,28 @@ const PRINTED: [&str; 9] =
 
 /// Errors of squared distance minimisation on the ellipsoid, and on the open surface.
 const EXACT: [[f64; 9]; 2] = [
-    [1.039995, 0.3679804, 0.1869796, 0.08533404, 0.03529336, 0.008387198, 4.632433e-4, 1.639135e-6, 2.435224e-11],
-    [1.039952, 0.4458137, 0.1965949, 0.06396490, 0.02180781, 0.005730328, 4.302650e-4, 2.023985e-6, 9.642630e-11],
+    [
+        1.039995,
+        0.3679804,
+        0.1869796,
+        0.08533404,
+        0.03529336,
+        0.008387198,
+        4.632433e-4,
+        1.639135e-6,
+        2.435224e-11,
+    ],
+    [
+        1.039952,
+        0.4458137,
+        0.1965949,
+        0.06396490,
+        0.02180781,
+        0.005730328,
+        4.302650e-4,
+        2.023985e-6,
+        9.642630e-11,
+    ],
 ];
 
 /// How far a computed error may be from the exact one: half a unit of its seventh digit, and what rounding of the
@@ -52,8 +70,16 @@ pub(crate) fn compute() -> Result<Vec<Registration>, Box<dyn Error>> {
         .map(|i| open.point((f64::from(i / 12) + 0.5) / 20.0, (f64::from(i % 12) + 0.5) / 12.0))
         .collect();
     let mean = samples.iter().sum::<Vector3<f64>>() / samples.len() as f64;
-    let closed = moved(&cloud, Vector3::zeros(), Vector3::new(0.0, 1.0, -1.0), 70.0, Vector3::new(3.0, 3.0, -1.0), 1.493);
-    let shifted = moved(&samples, mean, Vector3::new(1.0, -1.0, 0.0), 50.0, Vector3::new(2.0, 1.0, -3.0), 1.346);
+    let closed = moved(
+        &cloud,
+        Vector3::zeros(),
+        Vector3::new(0.0, 1.0, -1.0),
+        70.0,
+        Vector3::new(3.0, 3.0, -1.0),
+        1.493,
+    );
+    let shifted =
+        moved(&samples, mean, Vector3::new(1.0, -1.0, 0.0), 50.0, Vector3::new(2.0, 1.0, -3.0), 1.346);
     Ok(vec![
         registration("Ellipsoid with semi-axes 1, 0.4, 0.2, 240 points", &ellipsoid, &closed, &EXACT[0])?,
         registration("Open bicubic surface of 2.0 × 0.8 × 0.4, 240 points", &open, &shifted, &EXACT[1])?,
@@ -77,7 +103,8 @@ fn registration(
             .with_tolerance(0.0)
             .with_max_iterations(exact.len() - 1);
         let report = register(&field, &Source::new(cloud), &Pose::identity(), &options)?;
-        let errors = std::iter::once(report.initial_rms).chain(report.history.iter().map(|s| s.rms)).collect();
+        let errors =
+            std::iter::once(report.initial_rms).chain(report.history.iter().map(|s| s.rms)).collect();
         Ok::<_, sdm_register::Error>(Row { label, errors })
     });
     Ok(Registration { title, rows: rows.into_iter().collect::<Result<_, _>>()?, exact })
@@ -92,7 +119,10 @@ pub(crate) fn disagreements(registrations: &[Registration]) -> Vec<String> {
             let computed = errors.get(j).copied().unwrap_or(f64::NAN);
             let allowed = RELATIVE * exact + ROUNDING;
             if !((computed - exact).abs() <= allowed) {
-                found.push(format!("Table 6, {}, step {j}: exact {exact}, computed {computed}", registration.title));
+                found.push(format!(
+                    "Table 6, {}, step {j}: exact {exact}, computed {computed}",
+                    registration.title
+                ));
             }
         }
     }
@@ -158,7 +188,8 @@ const SEMI_AXES: Vector3<f64> = Vector3::new(1.0, 0.4, 0.2);
 fn on_ellipsoid(i: u32) -> Vector3<f64> {
     let k = f64::from(i) + 0.5;
     let (polar, azimuth) = ((1.0 - 2.0 * k / 240.0).acos(), PI * (1.0 + 5f64.sqrt()) * k);
-    Vector3::new(azimuth.cos() * polar.sin(), azimuth.sin() * polar.sin(), polar.cos()).component_mul(&SEMI_AXES)
+    Vector3::new(azimuth.cos() * polar.sin(), azimuth.sin() * polar.sin(), polar.cos())
+        .component_mul(&SEMI_AXES)
 }
 
 /// Thousandths of the heights of the control points.
@@ -182,7 +213,9 @@ fn open_surface() -> Result<BsplineSurface, nurbs_core::Error> {
         .iter()
         .zip(&u)
         .flat_map(|(row, u)| {
-            row.iter().zip(&v).map(move |(&z, v)| Vector3::new(2.0 * u - 1.0, 0.8 * v - 0.4, f64::from(z) / 1e3))
+            row.iter()
+                .zip(&v)
+                .map(move |(&z, v)| Vector3::new(2.0 * u - 1.0, 0.8 * v - 0.4, f64::from(z) / 1e3))
         })
         .collect();
     BsplineSurface::new(knots_u, knots_v, points, None)

@@ -48,10 +48,7 @@ impl<const D: usize> Pose<D> {
     /// # Errors
     /// [`Error::NotAMotion`] if a number is not finite, or the linear part is not a rotation times a positive scale
     /// within 1e-6 (what is left of this is removed).
-    pub fn from_linear(
-        linear: &SMatrix<f64, D, D>,
-        translation: &SVector<f64, D>,
-    ) -> Result<Self, Error> {
+    pub fn from_linear(linear: &SMatrix<f64, D, D>, translation: &SVector<f64, D>) -> Result<Self, Error> {
         let finite = linear.iter().chain(translation.iter()).all(|c| c.is_finite());
         let scale = (linear.norm_squared() / D as f64).sqrt();
         if !finite || scale.is_nan() || scale <= 0.0 {
@@ -149,8 +146,7 @@ impl<const D: usize> serde::Serialize for Pose<D> {
     /// Scale, rotation by rows, translation of `x ↦ s R x + t`, and both origins.
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         use serde::ser::SerializeStruct;
-        let rows: Vec<Vec<f64>> =
-            (0..D).map(|i| (0..D).map(|j| self.rotation[(i, j)]).collect()).collect();
+        let rows: Vec<Vec<f64>> = (0..D).map(|i| (0..D).map(|j| self.rotation[(i, j)]).collect()).collect();
         let mut out = serializer.serialize_struct("Pose", 5)?;
         out.serialize_field("scale", &self.scale)?;
         out.serialize_field("rotation", &rows)?;

@@ -105,7 +105,6 @@ pub(crate) fn orthonormalized<const D: usize>(matrix: &SMatrix<f64, D, D>) -> SM
     out
 }
 
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -100,11 +100,7 @@ impl<const D: usize> Velocity<D> {
         // The field runs for the time atan|c|/|c|, 1 in the limit of a translation.
         let time = if norm > 0.0 { norm.atan() / norm } else { 1.0 };
         let (rotation, mean) = exponential::<D>(&(self.rotation * time));
-        Displacement {
-            scale: self.growth.exp(),
-            rotation,
-            translation: mean * self.translation * time,
-        }
+        Displacement { scale: self.growth.exp(), rotation, translation: mean * self.translation * time }
     }
 
     /// The rotation by [`Velocity::angle`] about a pivot, then the translation by the pivot's velocity. To second order
