@@ -1,11 +1,12 @@
 //! How well the pose is determined.
 
 use crate::constraint::Freedom;
+use crate::eigen::Eigen;
 use crate::linearise::NormalSystem;
 use crate::motion::{MAX_UNKNOWNS, rigid_unknowns};
 use crate::solve::Scaled;
 use crate::{Pose, Velocity};
-use nalgebra::{DMatrix, DVector, SVector, SymmetricEigen};
+use nalgebra::{DMatrix, DVector, SVector};
 
 /// The covariance of a pose, `σ̂² (JᵀJ)⁻¹`: normally distributed distances of the points that count are assumed, with the
 /// variance `σ̂²` that the residuals show.
@@ -78,12 +79,9 @@ impl<const D: usize> Covariance<D> {
         let scaled = |i: usize, x: f64| if deviation(i) > 0.0 { x / deviation(i) } else { 0.0 };
         let correlation = DMatrix::from_fn(n, n, |i, j| scaled(i, scaled(j, self.rows[i][j])));
         let x = DVector::from_fn(n, |i, _| scaled(i, unknowns[i]));
-        let eigen = SymmetricEigen::new(correlation);
-        let y = eigen.eigenvectors.tr_mul(&x);
-        let largest = eigen.eigenvalues.amax();
-        (0..n)
-            .filter(|&i| eigen.eigenvalues[i] > 1e-12 * largest)
-            .map(|i| y[i] * y[i] / eigen.eigenvalues[i])
-            .sum()
+        let eigen = Eigen::new(correlation);
+        let y = eigen.vectors.tr_mul(&x);
+        let largest = eigen.values.amax();
+        (0..n).filter(|&i| eigen.values[i] > 1e-12 * largest).map(|i| y[i] * y[i] / eigen.values[i]).sum()
     }
 }

@@ -202,8 +202,8 @@ mod tests {
         }
         let report = align_datum(&targets, &Pose::identity()).unwrap();
         assert!(report.status.is_converged() && report.rms > 1e-3, "{report}");
-        let gradient = system_of(&targets, &report.pose).vector;
-        assert!(gradient.norm() < 1e-13, "{gradient}");
+        let gradient = system_of(&targets, &report.pose).vector.fixed_rows::<6>(0).into_owned();
+        assert!(gradient.norm() < 1e-12, "{gradient}");
     }
 
     #[test]

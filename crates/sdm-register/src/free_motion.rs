@@ -1,8 +1,9 @@
 //! Motions that the shape does not fix, by name.
 
 use crate::Velocity;
+use crate::eigen::Eigen;
 use crate::motion::rotations;
-use nalgebra::{DMatrix, SVector, SymmetricEigen, Vector3};
+use nalgebra::{DMatrix, SVector, Vector3};
 use std::fmt;
 
 /// Share of a velocity below which its rotation counts as none, and its pitch.
@@ -58,9 +59,9 @@ impl<const D: usize> FreeMotion<D> {
         let turn = |v: &Velocity<D>| v.rotation.insert_row(3, v.growth);
         let gram =
             DMatrix::from_fn(fields.len(), fields.len(), |i, j| turn(&fields[i]).dot(&turn(&fields[j])));
-        let eigen = SymmetricEigen::new(gram);
+        let eigen = Eigen::new(gram);
         let combine = |k: usize| {
-            fields.iter().zip(eigen.eigenvectors.column(k).iter()).fold(
+            fields.iter().zip(eigen.vectors.column(k).iter()).fold(
                 Velocity::zero(),
                 |sum: Velocity<D>, (v, &f)| Velocity {
                     translation: sum.translation + v.translation * f,
@@ -69,7 +70,7 @@ impl<const D: usize> FreeMotion<D> {
                 },
             )
         };
-        let turns = |k: &usize| eigen.eigenvalues[*k] > NONE * NONE;
+        let turns = |k: &usize| eigen.values[*k] > NONE * NONE;
         let mut directions: Vec<SVector<f64, D>> = Vec::new();
         for k in (0..fields.len()).filter(|k| !turns(k)) {
             let mut direction = combine(k).translation;

@@ -9,6 +9,7 @@ mod anderson;
 mod constraint;
 mod covariance;
 mod datum;
+mod eigen;
 mod error;
 mod free_motion;
 mod iterate;
