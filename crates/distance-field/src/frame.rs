@@ -29,7 +29,9 @@ pub struct PrincipalFrame<const D: usize> {
     pub on_boundary: bool,
     /// Where the next query nearby may start.
     pub hint: Hint,
-    /// How the footpoint was found; only with [`Status::is_converged`] are the other fields those of a footpoint.
+    /// How the footpoint was found; only with [`Status::is_converged`] is `foot` a footpoint, on whose normal the query
+    /// lies. After one step ([`Search::OneStep`](crate::Search::OneStep)) it may be only near one: the frame is then that
+    /// of the point reached, and usable as long as it [is finite](Self::is_finite).
     pub status: Status,
 }
 

@@ -9,3 +9,8 @@ const CHUNK: usize = 256;
 pub(crate) fn map<T: Send>(count: usize, f: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
     (0..count).into_par_iter().with_min_len(CHUNK).map(f).collect()
 }
+
+/// Lets `f` fill stretches of `length` entries in parallel; it is told the index of the first of them.
+pub(crate) fn fill<T: Send>(out: &mut [T], length: usize, f: impl Fn(usize, &mut [T]) + Sync + Send) {
+    out.par_chunks_mut(length.max(1)).enumerate().for_each(|(chunk, out)| f(chunk * length.max(1), out));
+}

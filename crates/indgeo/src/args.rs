@@ -2,7 +2,7 @@
 
 use crate::commands::{convert, demo, info, inspect, project};
 use clap::{Args, Parser, Subcommand};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// From scans to CAD: deviations from NURBS models and meshes, with a proof that no other point is nearer.
 #[derive(Debug, Parser)]
@@ -34,6 +34,16 @@ pub(crate) enum Command {
 }
 
 impl Command {
+    /// The files that the command line says are read, and those it says are written.
+    pub(crate) fn files(&self) -> (Vec<&Path>, Vec<PathBuf>) {
+        match self {
+            Self::Project(args) => (vec![&args.model, &args.points], vec![args.out.clone()]),
+            Self::Convert(args) => (vec![&args.input], vec![args.output.clone()]),
+            Self::Info(args) => (args.files.iter().map(PathBuf::as_path).collect(), Vec::new()),
+            Self::Demo(args) => (Vec::new(), args.results().to_vec()),
+        }
+    }
+
     /// The name that was typed, as the report repeats it.
     pub(crate) fn name(&self) -> &'static str {
         match self {

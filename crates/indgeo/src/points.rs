@@ -1,7 +1,8 @@
 //! The points to be projected.
 
 use crate::error::Error;
-use industrial_geometry::io::{self, Content, ReadOptions, ReadReport};
+use crate::files;
+use industrial_geometry::io::{Content, ReadOptions, ReadReport};
 use industrial_geometry::mesh::nalgebra::{Point3, Vector2, Vector3};
 use std::path::Path;
 
@@ -23,7 +24,7 @@ pub(crate) struct Points {
 impl Points {
     /// Reads a cloud, or the vertices of a mesh; there must be at least one finite point.
     pub(crate) fn read(path: &Path, drop_non_finite: bool) -> Result<Self, Error> {
-        let loaded = io::read(path, &ReadOptions::default().with_drop_non_finite(drop_non_finite))?;
+        let loaded = files::read(path, &ReadOptions::default().with_drop_non_finite(drop_non_finite))?;
         let report = loaded.report;
         let (cloud, triangles) = match loaded.content {
             Content::Cloud(cloud) => (cloud, Vec::new()),

@@ -54,6 +54,7 @@ pub(crate) struct Projected {
 /// Does the job and fills in the report.
 pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Projected, Error> {
     let format = Format::of(job.out)?;
+    files::check_inputs(&[job.model, job.points])?;
     files::check_writable(job.out, &[job.model, job.points])?;
 
     let mut timings = Timings::default();

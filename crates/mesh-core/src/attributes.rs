@@ -144,6 +144,18 @@ impl Attributes {
         Ok(())
     }
 
+    /// The values at the given indices, which must exist.
+    pub(crate) fn select(&self, indices: &[u32]) -> Self {
+        let colours = self.colours.as_ref().map(|colours| match colours {
+            Colours::Rgb(values) => Colours::Rgb(select(values, indices)),
+            Colours::Rgba(values) => Colours::Rgba(select(values, indices)),
+        });
+        let scalars = (self.scalars.iter())
+            .map(|field| ScalarField { name: field.name.clone(), values: select(&field.values, indices) })
+            .collect();
+        Self { normals: self.normals.as_ref().map(|normals| select(normals, indices)), colours, scalars }
+    }
+
     /// Drops the values of the points whose flag is false.
     pub(crate) fn retain(&mut self, keep: &[bool]) {
         if let Some(normals) = &mut self.normals {
@@ -156,6 +168,11 @@ impl Attributes {
             retain(&mut field.values, keep);
         }
     }
+}
+
+/// The values at the given indices, which must exist.
+pub(crate) fn select<T: Copy>(values: &[T], indices: &[u32]) -> Vec<T> {
+    indices.iter().map(|&index| values[index as usize]).collect()
 }
 
 /// Drops the values whose flag is false.

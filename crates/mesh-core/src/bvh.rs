@@ -1,6 +1,6 @@
-//! A bounding volume hierarchy over boxes, as a flat array.
+//! A bounding volume hierarchy over boxes, as a flat array ([Er05, ch. 6]).
 
-use nalgebra::Point3;
+use nalgebra::Point;
 
 /// Most items of a leaf.
 const LEAF_SIZE: usize = 4;
@@ -13,15 +13,15 @@ const MAX_DEPTH: usize = BINNED_DEPTH + 33;
 
 /// An axis-aligned box; empty when `min > max`.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Aabb {
-    pub(crate) min: [f64; 3],
-    pub(crate) max: [f64; 3],
+pub(crate) struct Aabb<const D: usize = 3> {
+    pub(crate) min: [f64; D],
+    pub(crate) max: [f64; D],
 }
 
-impl Aabb {
-    pub(crate) const EMPTY: Self = Self { min: [f64::INFINITY; 3], max: [f64::NEG_INFINITY; 3] };
+impl<const D: usize> Aabb<D> {
+    pub(crate) const EMPTY: Self = Self { min: [f64::INFINITY; D], max: [f64::NEG_INFINITY; D] };
 
-    pub(crate) fn of_points(points: &[Point3<f64>]) -> Self {
+    pub(crate) fn of_points(points: &[Point<f64, D>]) -> Self {
         points.iter().fold(Self::EMPTY, |bounds, point| {
             bounds.union(&Self { min: point.coords.into(), max: point.coords.into() })
         })
@@ -29,7 +29,7 @@ impl Aabb {
 
     fn union(&self, other: &Self) -> Self {
         let mut union = *self;
-        for axis in 0..3 {
+        for axis in 0..D {
             union.min[axis] = union.min[axis].min(other.min[axis]);
             union.max[axis] = union.max[axis].max(other.max[axis]);
         }
@@ -40,18 +40,21 @@ impl Aabb {
         0.5 * self.min[axis] + 0.5 * self.max[axis]
     }
 
+    /// Half the surface area in space, half the circumference in the plane: what the chance of a hit is proportional to.
     fn half_area(&self) -> f64 {
-        let [x, y, z] = [0, 1, 2].map(|axis| (self.max[axis] - self.min[axis]).max(0.0));
-        x * y + y * z + z * x
+        let extent: [f64; D] = std::array::from_fn(|axis| (self.max[axis] - self.min[axis]).max(0.0));
+        let face =
+            |across: usize| (0..D).filter(|&axis| axis != across).map(|axis| extent[axis]).product::<f64>();
+        (0..D).map(face).sum()
     }
 
     /// The smallest `|t|` for which `origin + t · direction` lies in the box, `None` where the line misses it.
     ///
     /// Errs on the side of a hit, by a few units in the last place.
-    fn nearest_on_line(&self, origin: &Point3<f64>, direction: &[f64; 3]) -> Option<f64> {
+    fn nearest_on_line(&self, origin: &Point<f64, D>, direction: &[f64; D]) -> Option<f64> {
         const SLACK: f64 = 4.0 * f64::EPSILON;
         let (mut start, mut end) = (f64::NEG_INFINITY, f64::INFINITY);
-        for axis in 0..3 {
+        for axis in 0..D {
             let (low, high) = (self.min[axis] - origin[axis], self.max[axis] - origin[axis]);
             if direction[axis] == 0.0 {
                 if low > 0.0 || high < 0.0 {
@@ -68,9 +71,9 @@ impl Aabb {
     }
 
     /// Squared distance from a point, 0 inside.
-    fn distance_sq(&self, x: &Point3<f64>) -> f64 {
+    fn distance_sq(&self, x: &Point<f64, D>) -> f64 {
         let mut sum = 0.0;
-        for axis in 0..3 {
+        for axis in 0..D {
             let outside = (self.min[axis] - x[axis]).max(x[axis] - self.max[axis]).max(0.0);
             sum += outside * outside;
         }
@@ -80,23 +83,23 @@ impl Aabb {
 
 /// `count > 0`: a leaf with the items `order[first..first + count]`; else a node with children `first`, `first + 1`.
 #[derive(Debug, Clone, Copy)]
-struct Node {
-    bounds: Aabb,
+struct Node<const D: usize> {
+    bounds: Aabb<D>,
     first: usize,
     count: usize,
 }
 
 /// The hierarchy. Items are addressed by their place in `order`.
 #[derive(Debug, Clone)]
-pub(crate) struct Bvh {
-    nodes: Vec<Node>,
+pub(crate) struct Bvh<const D: usize = 3> {
+    nodes: Vec<Node<D>>,
     /// Item at each place.
     pub(crate) order: Vec<u32>,
 }
 
-impl Bvh {
+impl<const D: usize> Bvh<D> {
     /// Builds the hierarchy over `boxes`, item `i` having the box `boxes[i]`. There must be one, and all must be finite.
-    pub(crate) fn new(boxes: &[Aabb]) -> Self {
+    pub(crate) fn new(boxes: &[Aabb<D>]) -> Self {
         let mut order: Vec<u32> = (0u32..).take(boxes.len()).collect();
         let mut nodes = Vec::with_capacity(boxes.len() / 2 + 1);
         nodes.push(Node { bounds: Aabb::EMPTY, first: 0, count: 0 });
@@ -121,7 +124,7 @@ impl Bvh {
     /// Visits the places of items, nearest boxes first, as long as their boxes are not farther than the squared
     /// distance that `visit` returned last (it starts at infinity).
     #[inline]
-    pub(crate) fn nearest(&self, x: &Point3<f64>, mut visit: impl FnMut(usize) -> f64) {
+    pub(crate) fn nearest(&self, x: &Point<f64, D>, mut visit: impl FnMut(usize) -> f64) {
         let mut limit = f64::INFINITY;
         let mut stack = [(0usize, 0.0f64); MAX_DEPTH + 1];
         let mut depth = 1;
@@ -152,13 +155,13 @@ impl Bvh {
     }
 }
 
-impl Bvh {
+impl<const D: usize> Bvh<D> {
     /// Visits the places of items whose boxes meet the line through `origin` along `direction`, as long as they can do
     /// so at `|t|` up to what `visit` returned last (it starts at infinity); nearer boxes tend to come first.
     pub(crate) fn along_line(
         &self,
-        origin: &Point3<f64>,
-        direction: &[f64; 3],
+        origin: &Point<f64, D>,
+        direction: &[f64; D],
         mut visit: impl FnMut(usize) -> f64,
     ) {
         let mut limit = f64::INFINITY;
@@ -187,14 +190,14 @@ impl Bvh {
 }
 
 /// Reorders the items and returns where the right part begins; neither part is empty.
-fn split(items: &mut [u32], boxes: &[Aabb], bounds: &Aabb, depth: usize) -> usize {
+fn split<const D: usize>(items: &mut [u32], boxes: &[Aabb<D>], bounds: &Aabb<D>, depth: usize) -> usize {
     let mut centres = Aabb::EMPTY;
     for &item in items.iter() {
-        let middle = [0, 1, 2].map(|axis| boxes[item as usize].centre(axis));
+        let middle = std::array::from_fn(|axis| boxes[item as usize].centre(axis));
         centres = centres.union(&Aabb { min: middle, max: middle });
     }
     let extent = |axis: usize| centres.max[axis] - centres.min[axis];
-    let axis = (1..3).fold(0, |best, axis| if extent(axis) > extent(best) { axis } else { best });
+    let axis = (1..D).fold(0, |best, axis| if extent(axis) > extent(best) { axis } else { best });
     let half = items.len() / 2;
     let binned = if depth < BINNED_DEPTH && extent(axis) > 0.0 && extent(axis).is_finite() {
         binned_split(items, boxes, &centres, bounds, axis)
@@ -211,11 +214,11 @@ fn split(items: &mut [u32], boxes: &[Aabb], bounds: &Aabb, depth: usize) -> usiz
 }
 
 /// The split between bins of least expected cost (surface area × items); `None` if everything falls on one side.
-fn binned_split(
+fn binned_split<const D: usize>(
     items: &mut [u32],
-    boxes: &[Aabb],
-    centres: &Aabb,
-    bounds: &Aabb,
+    boxes: &[Aabb<D>],
+    centres: &Aabb<D>,
+    bounds: &Aabb<D>,
     axis: usize,
 ) -> Option<usize> {
     let scale = BINS as f64 / (centres.max[axis] - centres.min[axis]);

@@ -7,7 +7,7 @@ use crate::bvh::{Aabb, Bvh};
 use crate::pseudo_normal::PseudoNormals;
 use crate::topology::EdgeMap;
 use crate::triangle::{Feature, Triangle, TriangleFoot};
-use crate::{BoundingBox, Error, MeshTopology, TriangleMesh};
+use crate::{BoundingBox, Error, MeshTopology, TriangleMesh, parallel};
 
 /// Part of the mesh's diagonal within which triangles count as meeting at a point, where one of them has no area.
 const MEETING: f64 = 1e-9;
@@ -137,10 +137,10 @@ impl MeshProjector {
         })
     }
 
-    /// The closest points to many points, in their order. See [`MeshProjector::project`].
+    /// The closest points to many points, in their order, on all threads. See [`MeshProjector::project`].
     #[must_use]
     pub fn project_many(&self, points: &[Point3<f64>]) -> Vec<Result<MeshFootpoint, Error>> {
-        points.iter().map(|x| self.project(x)).collect()
+        parallel::map(points, |i| self.project(&points[i]))
     }
 
     fn nearest(&self, x: &Point3<f64>) -> Option<(usize, TriangleFoot)> {

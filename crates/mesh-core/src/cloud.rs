@@ -2,7 +2,7 @@
 
 use nalgebra::{Point2, Point3, Vector3};
 
-use crate::attributes::retain;
+use crate::attributes::{retain, select};
 use crate::bounds::is_finite;
 use crate::{Attributes, BoundingBox, Colours, Error};
 
@@ -138,6 +138,35 @@ impl PointCloud {
     #[must_use]
     pub fn count_non_finite(&self) -> usize {
         self.positions.iter().filter(|point| !is_finite(point)).count()
+    }
+
+    /// The points at the given indices, in that order, with their attributes. Indices may repeat.
+    ///
+    /// # Errors
+    /// [`Error::PointIndex`] if a point does not exist.
+    pub fn select(&self, indices: &[u32]) -> Result<Self, Error> {
+        if let Some(&index) = indices.iter().find(|&&index| index as usize >= self.len()) {
+            return Err(Error::PointIndex { index, points: self.len() });
+        }
+        Ok(Self {
+            positions: select(&self.positions, indices),
+            planar: self.planar,
+            attributes: self.attributes.select(indices),
+        })
+    }
+
+    /// Drops the points whose flag is false, with their attributes; returns how many.
+    ///
+    /// # Errors
+    /// [`Error::AttributeLength`] if there is not one flag per point.
+    pub fn retain(&mut self, keep: &[bool]) -> Result<usize, Error> {
+        if keep.len() != self.len() {
+            let name = "flags".to_owned();
+            return Err(Error::AttributeLength { name, found: keep.len(), expected: self.len() });
+        }
+        retain(&mut self.positions, keep);
+        self.attributes.retain(keep);
+        Ok(keep.len() - self.len())
     }
 
     /// Drops the points with a coordinate that is NaN or infinite, with their attributes; returns how many.

@@ -36,6 +36,14 @@ pub enum Error {
         /// Its third coordinate.
         z: f64,
     },
+    /// A point is asked for that does not exist.
+    #[error("there is no point {index}: there are {points} points (0-based)")]
+    PointIndex {
+        /// The index asked for.
+        index: u32,
+        /// Number of points.
+        points: usize,
+    },
     /// A triangle refers to a vertex that does not exist.
     ///
     /// ```
@@ -60,10 +68,42 @@ pub enum Error {
     /// More vertices or triangles than a 32-bit index can tell apart.
     #[error("{count} {what} are too many for 32-bit indices")]
     TooMany {
-        /// `vertices` or `triangles`.
+        /// `vertices`, `triangles` or `points`.
         what: &'static str,
         /// How many there are.
         count: usize,
+    },
+    /// Fewer of something than the method needs.
+    #[error("{count} {what} are too few: at least {least} are needed")]
+    TooFew {
+        /// What is counted, such as `neighbours`.
+        what: &'static str,
+        /// How many there are.
+        count: usize,
+        /// How many are needed.
+        least: usize,
+    },
+    /// A vertex of a curve is not finite.
+    #[error("vertex {index} has a coordinate that is NaN or infinite")]
+    NonFiniteVertex {
+        /// Index of the vertex.
+        index: usize,
+    },
+    /// A size or number that must be positive, and not too small for the extent of the points, is not.
+    #[error("{what} is {value}, but must be positive, finite and not below {least}")]
+    OutOfRange {
+        /// Which number, such as `voxel size`.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// The least value that is possible.
+        least: f64,
+    },
+    /// Points cannot be spread over a mesh without area.
+    #[error("the mesh has no area ({triangles} triangles)")]
+    NoArea {
+        /// Number of triangles.
+        triangles: usize,
     },
     /// A mesh without any triangle of finite coordinates has no closest point.
     #[error("the mesh has no triangle with finite coordinates ({triangles} triangles in all)")]
@@ -80,6 +120,12 @@ pub enum Error {
         y: f64,
         /// Third coordinate.
         z: f64,
+    },
+    /// A query has a coordinate that is NaN or infinite, or lies so far away that its squared distance overflows.
+    #[error("the query {x:?} is not finite, or so far away that its squared distance overflows")]
+    NonFiniteQuery {
+        /// Its coordinates.
+        x: Vec<f64>,
     },
     /// The squared distance from the point to the mesh overflows a double.
     #[error("the point ({x}, {y}, {z}) is too far from the mesh: its squared distance overflows")]

@@ -1,8 +1,15 @@
-//! Discrete shapes: point clouds and triangle meshes, and the closest points on them.
+//! Discrete shapes: point clouds, polylines and triangle meshes, and what is asked of them.
 //!
 //! A [`PointCloud`] holds positions and, per point, optional normals, colours and named scalars ([`Attributes`]);
 //! a [`TriangleMesh`] holds vertices with the same attributes and triangles that index them.
-//! [`MeshProjector`] answers closest point queries on a mesh, with a sign where the mesh encloses a solid.
+//!
+//! - Closest points: [`MeshProjector`] on a mesh, with a sign where the mesh encloses a solid, [`Polyline`], and
+//!   [`CloudIndex`] for nearest neighbours in a cloud.
+//! - Normals and curvatures: [`estimate_normals`] and [`estimate_curvature`] of clouds, [`TriangleMesh::vertex_normals`]
+//!   and [`MeshCurvature`] of meshes.
+//! - Connectivity: [`HalfEdgeMesh`] with what is wrong with it, [`LoopScheme`] for subdivision surfaces.
+//! - Sampling: [`sample_uniform`], [`sample_poisson_disk`], [`voxel_downsample`], [`farthest_points`], and outliers by
+//!   [`statistical_outliers`] and [`radius_outliers`].
 //!
 //! ```
 //! use mesh_core::{MeshProjector, TriangleMesh, nalgebra::Point3};
@@ -22,10 +29,21 @@ mod bounds;
 mod bvh;
 pub mod closest;
 mod cloud;
+mod cloud_index;
+mod curvature;
 mod error;
+mod half_edge;
+mod kd_tree;
 mod line_hit;
+mod loop_subdivision;
 mod mesh;
+mod normals;
+mod parallel;
+mod polyline;
 mod pseudo_normal;
+mod random;
+mod sampling;
+mod spatial_order;
 mod topology;
 mod triangle;
 mod weld;
@@ -34,10 +52,22 @@ pub use attributes::{Attributes, Colours, ScalarField};
 pub use bounds::BoundingBox;
 pub use closest::{MeshFootpoint, MeshProjector};
 pub use cloud::PointCloud;
+pub use cloud_index::{CloudIndex, Neighbour};
+pub use curvature::{CloudCurvature, CurvatureFrame, CurvatureOptions, MeshCurvature, estimate_curvature};
 pub use error::Error;
+pub use half_edge::{Defects, HalfEdge, HalfEdgeMesh};
 pub use line_hit::LineHit;
+pub use loop_subdivision::{LimitPoint, LoopScheme, Mask};
 pub use mesh::TriangleMesh;
 pub use nalgebra;
+pub use normals::{
+    CloudNormals, NormalOptions, Normals, Orientation, estimate_normals, orient_consistently, orient_towards,
+};
+pub use polyline::{Polyline, PolylineFootpoint};
+pub use sampling::{
+    Outliers, SurfaceSample, VoxelPoint, VoxelSample, eliminate_samples, farthest_points, radius_outliers,
+    sample_poisson_disk, sample_uniform, statistical_outliers, voxel_downsample,
+};
 pub use topology::MeshTopology;
 pub use triangle::Feature;
 pub use weld::VertexWelder;

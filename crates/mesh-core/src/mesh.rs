@@ -175,11 +175,11 @@ impl TriangleMesh {
             .sum()
     }
 
-    fn area_vectors(&self) -> impl Iterator<Item = Vector3<f64>> {
+    pub(crate) fn area_vectors(&self) -> impl Iterator<Item = Vector3<f64>> {
         self.triangles.iter().map(|corners| Triangle(self.positions_of(corners)).area_vector())
     }
 
-    fn positions_of(&self, corners: &[u32; 3]) -> [Point3<f64>; 3] {
+    pub(crate) fn positions_of(&self, corners: &[u32; 3]) -> [Point3<f64>; 3] {
         corners.map(|index| self.vertices()[index as usize])
     }
 }

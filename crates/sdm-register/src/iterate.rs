@@ -1,0 +1,394 @@
+//! The loop: footpoints, quadratic models, a small linear system, a controlled step, again.
+
+use crate::anderson::Anderson;
+use crate::constraint::{Chart, Freedom};
+use crate::linearise::NormalSystem;
+use crate::report::StepRecord;
+use crate::solve::{Scaled, Spectrum};
+use crate::source::Prepared;
+use crate::view::{Terms, View};
+use crate::weights::{Rejection, Rule, Weighting};
+use crate::{Covariance, FootpointPolicy, FreeMotion, Method, Pose, RegisterOptions, Status, StepControl};
+use distance_field::{DistanceField, Search};
+use nalgebra::{DMatrix, DVector};
+use std::ops::ControlFlow;
+
+/// Called after each step; may cancel.
+pub type Progress<'a> = &'a (dyn Fn(&StepRecord) -> ControlFlow<()> + Sync);
+
+/// What stays the same in all stages.
+pub(crate) struct Problem<'a, const D: usize> {
+    pub(crate) field: &'a dyn DistanceField<D>,
+    pub(crate) chart: &'a Chart<D>,
+    pub(crate) options: &'a RegisterOptions<D>,
+    pub(crate) progress: Progress<'a>,
+}
+
+/// One stage: a cloud, a rule for its weights, and when to stop.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stage<'a, const D: usize> {
+    pub(crate) name: &'static str,
+    pub(crate) cloud: &'a Prepared<D>,
+    pub(crate) method: Method,
+    pub(crate) rule: Rule,
+    pub(crate) rejection: Rejection,
+    pub(crate) tolerance: f64,
+    pub(crate) max_iterations: usize,
+}
+
+/// How a stage ended.
+#[derive(Debug)]
+pub(crate) struct Outcome<const D: usize> {
+    pub(crate) view: View<D>,
+    /// Weights of the points before the kernel.
+    pub(crate) base: Vec<f64>,
+    pub(crate) weighting: Weighting,
+    pub(crate) status: Status,
+    pub(crate) iterations: usize,
+    pub(crate) evaluations: usize,
+}
+
+/// The steps of all stages.
+pub(crate) type History = Vec<StepRecord>;
+
+/// A motion as a share of the size of the cloud below which footpoints are followed from the last ones.
+const NEAR: f64 = 0.01;
+/// How well Newton's model has to foretell the change of the cost to be taken for the next step.
+const TRUST: f64 = 0.3;
+/// A motion below which the cost is all rounding, so that nothing is concluded from its change.
+const ROUNDING: f64 = 1e-7;
+/// First damping, as a share of the largest eigenvalue, and the last.
+const DAMPING: [f64; 2] = [1e-3, 1e8];
+/// Fewest directions that determine a motion.
+const fn fewest(dimension: usize) -> usize {
+    dimension
+}
+
+/// The models at one pose.
+struct Models<const D: usize> {
+    system: NormalSystem<D>,
+    freedom: Freedom<D>,
+    scaled: Scaled,
+    vector: DVector<f64>,
+    linear: Spectrum,
+    /// Matrix and spectrum of Newton's method.
+    newton: Option<(DMatrix<f64>, Spectrum)>,
+}
+
+impl<const D: usize> Problem<'_, D> {
+    pub(crate) fn view(&self, cloud: &Prepared<D>, pose: Pose<D>) -> View<D> {
+        View::new(self.field, cloud, pose, Search::Global, None)
+    }
+
+    fn models(&self, stage: &Stage<'_, D>, view: &View<D>, base: &[f64], weighting: &Weighting) -> Models<D> {
+        let terms = Terms {
+            term: stage.method.term(),
+            taylor: stage.method.needs_taylor(),
+            symmetric: stage.method == Method::Symmetric,
+        };
+        let system = view.system(stage.cloud, base, weighting, &terms);
+        let freedom = self.chart.freedom(&view.pose);
+        let tangent = freedom.reduce(&system.tangent);
+        let length = stage.cloud.diagonal * view.pose.scale * 0.5;
+        let scaled = Scaled::new(&tangent, &freedom.is_translation, length, self.options.null_tolerance);
+        let vector = freedom.reduce_vector(&system.vector);
+        let linear = scaled.spectrum(&(&tangent + freedom.reduce(&system.term)), &vector);
+        let newton = terms.taylor.then(|| {
+            let matrix = &tangent + freedom.reduce(&system.taylor) + freedom.curvature(&system);
+            let spectrum = scaled.spectrum(&matrix, &vector);
+            (matrix, spectrum)
+        });
+        Models { system, freedom, scaled, vector, linear, newton }
+    }
+
+    /// How well the pose at the end of a stage is determined, and the motions that are not.
+    pub(crate) fn analyse(
+        &self,
+        outcome: &Outcome<D>,
+        cloud: &Prepared<D>,
+        rms: f64,
+    ) -> (Option<Covariance<D>>, Vec<FreeMotion<D>>) {
+        let terms = Terms { term: Method::TANGENT.term(), taylor: false, symmetric: false };
+        let view = &outcome.view;
+        let system = view.system(cloud, &outcome.base, &outcome.weighting, &terms);
+        if system.count < fewest(D) || !view.pose.is_finite() {
+            return (None, Vec::new());
+        }
+        let freedom = self.chart.freedom(&view.pose);
+        let tangent = freedom.reduce(&system.tangent);
+        let length = cloud.diagonal * view.pose.scale * 0.5;
+        let scaled = Scaled::new(&tangent, &freedom.is_translation, length, self.options.null_tolerance);
+        let fields: Vec<_> = scaled.free_steps().iter().map(|step| freedom.velocity(step)).collect();
+        let origin = view.pose.target_origin;
+        let named = FreeMotion::name_all(&fields, &origin, length);
+        let squares = rms * rms * system.weight;
+        let scale = self.options.scale;
+        let covariance = Covariance::new(&system, &freedom, &scaled, &tangent, squares, scale, origin);
+        (Some(covariance), named)
+    }
+
+    /// Runs one stage from a view of its cloud.
+    pub(crate) fn run(&self, stage: &Stage<'_, D>, view: View<D>, history: &mut History) -> Outcome<D> {
+        let start = view.pose;
+        let mut run = Run {
+            problem: self,
+            stage,
+            base: view.base_weights(stage.cloud, &stage.rejection),
+            view,
+            weighting: Weighting::SQUARES,
+            trusted: stage.method == Method::Newton,
+            damping: 0.0,
+            last_motion: f64::INFINITY,
+            evaluations: 0,
+            anderson: (stage.method == Method::AndersonPoint
+                && !self.options.locks.any()
+                && !self.options.scale)
+                .then(|| Anderson::new(start, stage.cloud.diagonal)),
+        };
+        let mut iterations = 0;
+        let status = loop {
+            if iterations == stage.max_iterations {
+                break Status::MaxIterations;
+            }
+            match run.step(history) {
+                ControlFlow::Continue(()) => iterations += 1,
+                ControlFlow::Break((status, stepped)) => {
+                    iterations += usize::from(stepped);
+                    break status;
+                }
+            }
+        };
+        run.refresh_weights();
+        Outcome {
+            view: run.view,
+            base: run.base,
+            weighting: run.weighting,
+            status,
+            iterations,
+            evaluations: run.evaluations,
+        }
+    }
+}
+
+/// The state of a stage.
+struct Run<'a, const D: usize> {
+    problem: &'a Problem<'a, D>,
+    stage: &'a Stage<'a, D>,
+    view: View<D>,
+    base: Vec<f64>,
+    weighting: Weighting,
+    /// Whether Newton's model foretold what the last step did.
+    trusted: bool,
+    damping: f64,
+    last_motion: f64,
+    evaluations: usize,
+    anderson: Option<Anderson<D>>,
+}
+
+/// A step that was tried.
+struct Trial<const D: usize> {
+    view: View<D>,
+    cost: f64,
+    step: DVector<f64>,
+    motion: f64,
+    factor: f64,
+}
+
+impl<const D: usize> Run<'_, D> {
+    fn refresh_weights(&mut self) {
+        self.base = self.view.base_weights(self.stage.cloud, &self.stage.rejection);
+        let mut distances =
+            if self.stage.rule.adapts() { self.view.distances(&self.base) } else { Vec::new() };
+        self.weighting = self.stage.rule.weighting(&mut distances);
+    }
+
+    /// One step; breaks with the status and whether a step was made.
+    fn step(&mut self, history: &mut History) -> ControlFlow<(Status, bool)> {
+        self.refresh_weights();
+        let models = self.problem.models(self.stage, &self.view, &self.base, &self.weighting);
+        if models.system.count < fewest(D) {
+            return ControlFlow::Break((Status::NoOverlap, false));
+        }
+        if !models.system.cost.is_finite() {
+            return ControlFlow::Break((Status::Diverged, false));
+        }
+        let evaluations = self.evaluations;
+        let newton = self.newton_is_next(&models);
+        let mut name = self.stage.method.name();
+        if self.stage.method == Method::Adaptive {
+            name = if newton { "newton" } else { self.stage.method.term().name() };
+        }
+        let mut trial = if self.anderson.is_some() {
+            self.accelerated(&models)
+        } else {
+            self.search(&models, if newton { models.newton.as_ref().map(|n| &n.1) } else { None })
+        };
+        if trial.is_none() && newton && self.stage.method == Method::Adaptive {
+            self.damping = 0.0;
+            name = self.stage.method.term().name();
+            trial = self.search(&models, None);
+        }
+        let Some(trial) = trial else {
+            // Nothing lowers the cost: at a minimum its slope is rounding only.
+            let spectrum = models.newton.as_ref().map_or(&models.linear, |n| &n.1);
+            let step = models.scaled.step(spectrum, 0.0);
+            let small = self.motion(&models, &step) <= ROUNDING;
+            return ControlFlow::Break((if small { Status::Converged } else { Status::Stalled }, false));
+        };
+        self.judge_newton(&models, &trial);
+        let velocity = models.freedom.velocity(&trial.step);
+        let ratio = if self.last_motion.is_finite() { trial.motion / self.last_motion } else { 1.0 };
+        self.last_motion = trial.motion;
+        self.view = trial.view;
+        let (rms, points) = self.view.rms(&self.base, &self.weighting);
+        let record = StepRecord {
+            stage: self.stage.name,
+            step: name,
+            points,
+            rms,
+            motion: trial.motion,
+            angle: velocity.angle(),
+            damping: self.damping,
+            factor: trial.factor,
+            evaluations: self.evaluations - evaluations,
+            scale: self.weighting.scale(),
+        };
+        history.push(record);
+        if !self.view.pose.is_finite() || !trial.cost.is_finite() {
+            return ControlFlow::Break((Status::Diverged, true));
+        }
+        if (self.problem.progress)(&record).is_break() {
+            return ControlFlow::Break((Status::Cancelled, true));
+        }
+        // What is left, if the motions go on shrinking at this rate. A damped step says nothing about that.
+        let left = if ratio < 1.0 { trial.motion * ratio / (1.0 - ratio) } else { trial.motion };
+        let full = self.damping == 0.0 && trial.factor == 1.0;
+        if full && (left <= self.tolerance() || trial.motion <= self.tolerance()) {
+            return ControlFlow::Break((Status::Converged, true));
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// The tolerance, or what rounding of the coordinates leaves of it.
+    fn tolerance(&self) -> f64 {
+        let size = self.stage.cloud.diagonal * self.view.pose.scale;
+        let far = self.view.pose.target_origin.norm() / size;
+        self.stage.tolerance.max(16.0 * f64::EPSILON * (1.0 + far))
+    }
+
+    /// How far the points move (root mean square, nearly) as a share of the size of the cloud.
+    fn motion(&self, models: &Models<D>, step: &DVector<f64>) -> f64 {
+        let velocity = models.freedom.velocity(step);
+        let size = self.stage.cloud.diagonal * self.view.pose.scale;
+        let turn = (velocity.rotation.norm_squared() + velocity.growth * velocity.growth) * 0.1;
+        (velocity.translation.norm_squared() / (size * size) + turn).sqrt()
+    }
+
+    fn newton_is_next(&self, models: &Models<D>) -> bool {
+        let Some((_, spectrum)) = &models.newton else { return false };
+        match self.stage.method {
+            Method::Newton => true,
+            Method::Adaptive => self.trusted && spectrum.smallest() > 1e-9 * spectrum.largest(),
+            _ => false,
+        }
+    }
+
+    /// Whether Newton's model foretold the change of the cost, whatever step was taken.
+    fn judge_newton(&mut self, models: &Models<D>, trial: &Trial<D>) {
+        let Some((matrix, _)) = &models.newton else { return };
+        if self.stage.method != Method::Adaptive || trial.motion < ROUNDING {
+            return;
+        }
+        let foretold = models.vector.dot(&trial.step) + 0.5 * trial.step.dot(&(matrix * &trial.step));
+        let change = 0.5 * (trial.cost - models.system.cost);
+        self.trusted = (change - foretold).abs() <= TRUST * change.abs();
+    }
+
+    fn attempt(&mut self, models: &Models<D>, step: DVector<f64>, factor: f64) -> Trial<D> {
+        let pose = self.problem.chart.advance(&self.view.pose, &models.freedom, &step);
+        self.attempt_pose(models, pose, step, factor)
+    }
+
+    fn attempt_pose(
+        &mut self,
+        models: &Models<D>,
+        pose: Pose<D>,
+        step: DVector<f64>,
+        factor: f64,
+    ) -> Trial<D> {
+        let motion = self.motion(models, &step);
+        let search = match self.problem.options.footpoints {
+            FootpointPolicy::Full => Search::Global,
+            FootpointPolicy::WarmStart => Search::Local,
+            FootpointPolicy::OneStep => Search::OneStep,
+            FootpointPolicy::Adaptive if motion > NEAR => Search::Global,
+            FootpointPolicy::Adaptive => Search::Local,
+        };
+        let view = View::new(self.problem.field, self.stage.cloud, pose, search, Some(&self.view));
+        self.evaluations += 1;
+        let cost = view.cost(&self.base, &self.weighting);
+        Trial { view, cost, step, motion, factor }
+    }
+
+    /// The accelerated step, or the plain one if that raises the cost.
+    fn accelerated(&mut self, models: &Models<D>) -> Option<Trial<D>> {
+        let step = models.scaled.step(&models.linear, 0.0);
+        let plain = self.problem.chart.advance(&self.view.pose, &models.freedom, &step);
+        let pose = self.anderson.as_mut().map_or(plain, |a| a.accelerated(&self.view.pose, &plain));
+        let trial = self.attempt_pose(models, pose, step, 1.0);
+        if trial.cost <= models.system.cost || trial.motion < ROUNDING {
+            return Some(trial);
+        }
+        if let Some(anderson) = &mut self.anderson {
+            anderson.reset();
+        }
+        Some(self.attempt_pose(models, plain, trial.step, 1.0))
+    }
+
+    /// The step of Newton's spectrum, or of the linear one, under control; `None` if no step lowers the cost.
+    fn search(&mut self, models: &Models<D>, newton: Option<&Spectrum>) -> Option<Trial<D>> {
+        let spectrum = newton.unwrap_or(&models.linear);
+        let largest = spectrum.largest();
+        // Away from a minimum the matrix of Newton's method may be indefinite: lift it.
+        let lift = (1e-6 * largest - spectrum.smallest()).max(0.0);
+        let lift = if newton.is_some() { lift } else { 0.0 };
+        let slack = 1e-12 * models.system.cost;
+        match self.problem.options.control {
+            StepControl::None => {
+                let step = models.scaled.step(spectrum, 0.0);
+                Some(self.attempt(models, step, 1.0))
+            }
+            StepControl::Armijo => {
+                let full = models.scaled.step(spectrum, lift);
+                let slope = models.vector.dot(&full);
+                let mut factor = 1.0;
+                while factor > 1e-10 {
+                    let trial = self.attempt(models, &full * factor, factor);
+                    let promised = models.system.cost + 2.0 * 1e-4 * factor * slope;
+                    if trial.cost <= promised + slack || trial.motion < ROUNDING {
+                        return Some(trial);
+                    }
+                    factor *= 0.5;
+                }
+                None
+            }
+            StepControl::LevenbergMarquardt => {
+                loop {
+                    let step = models.scaled.step(spectrum, lift + self.damping * largest);
+                    let trial = self.attempt(models, step, 1.0);
+                    let fell = trial.cost <= models.system.cost + slack;
+                    if fell || trial.motion < ROUNDING && trial.cost.is_finite() {
+                        // The record shows the damping of this step; the next one starts with less.
+                        self.damping = if self.damping > DAMPING[0] { self.damping * 0.1 } else { 0.0 };
+                        return Some(trial);
+                    }
+                    self.damping = (self.damping * 10.0).max(DAMPING[0]);
+                    if self.damping > DAMPING[1] || newton.is_some() && self.stage.method == Method::Adaptive
+                    {
+                        return None;
+                    }
+                }
+            }
+        }
+    }
+}

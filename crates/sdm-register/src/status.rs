@@ -1,0 +1,49 @@
+//! How a registration ended.
+
+use std::fmt;
+
+/// How the iteration ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
+#[non_exhaustive]
+pub enum Status {
+    /// What is left of the motion is below the tolerance.
+    Converged,
+    /// No step lowers the cost, although the motion is not below the tolerance.
+    Stalled,
+    /// The limit on iterations was reached first.
+    MaxIterations,
+    /// The iteration met values that are not finite.
+    Diverged,
+    /// Too few points have a weight: the cloud and the shape do not overlap as far as the rules for the weights go.
+    NoOverlap,
+    /// The caller cancelled.
+    Cancelled,
+}
+
+impl Status {
+    /// Whether the pose is a local minimum.
+    #[must_use]
+    pub fn is_converged(self) -> bool {
+        matches!(self, Self::Converged)
+    }
+
+    /// The name used in files: `converged`, `no_overlap`, …
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Converged => "converged",
+            Self::Stalled => "stalled",
+            Self::MaxIterations => "max_iterations",
+            Self::Diverged => "diverged",
+            Self::NoOverlap => "no_overlap",
+            Self::Cancelled => "cancelled",
+        }
+    }
+}
+
+impl fmt::Display for Status {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}

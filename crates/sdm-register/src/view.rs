@@ -1,0 +1,206 @@
+//! A pose with the footpoints of the cloud in it, and what they add up to.
+
+use crate::linearise::{NormalSystem, add_square};
+use crate::motion::{Pose, Velocity};
+use crate::parallel;
+use crate::source::Prepared;
+use crate::weights::{Rejection, Weighting};
+use distance_field::{DistanceField, ErrorTerm, Hint, PrincipalFrame, Search};
+use nalgebra::SVector;
+
+/// The cloud in one pose.
+#[derive(Clone, Debug)]
+pub(crate) struct View<const D: usize> {
+    pub(crate) pose: Pose<D>,
+    pub(crate) frames: Vec<PrincipalFrame<D>>,
+}
+
+/// What the sums are made of.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Terms {
+    /// The error term of the linear steps.
+    pub(crate) term: ErrorTerm,
+    /// Whether the exact second derivatives are wanted, too.
+    pub(crate) taylor: bool,
+    /// Whether the symmetric objective replaces the tangent term where a point has a normal.
+    pub(crate) symmetric: bool,
+}
+
+impl<const D: usize> View<D> {
+    /// Moves the cloud and finds the footpoints, from those of an earlier pose unless the search is global.
+    pub(crate) fn new(
+        field: &dyn DistanceField<D>,
+        cloud: &Prepared<D>,
+        pose: Pose<D>,
+        search: Search,
+        before: Option<&Self>,
+    ) -> Self {
+        let linear = pose.rotation * pose.scale;
+        let points = parallel::map(cloud.points.len(), |i| linear * cloud.points[i] + pose.target_origin);
+        let hints: Vec<Hint> = match before {
+            Some(view) if search != Search::Global => view.frames.iter().map(|frame| frame.hint).collect(),
+            _ => Vec::new(),
+        };
+        let search = if hints.is_empty() { Search::Global } else { search };
+        Self { pose, frames: field.frames(&points, search, &hints) }
+    }
+
+    /// The weight of each point before any kernel: 0 for those without a footpoint and those that are rejected.
+    pub(crate) fn base_weights(&self, cloud: &Prepared<D>, rejection: &Rejection) -> Vec<f64> {
+        parallel::map(self.frames.len(), |i| {
+            let frame = &self.frames[i];
+            if !frame.is_finite() {
+                return 0.0;
+            }
+            let normal = rejection
+                .normal_angle
+                .and_then(|_| cloud.normals.get(i))
+                .map(|normal| self.pose.rotate(normal));
+            if rejection.keeps(frame, normal.as_ref()) { cloud.weight(i) } else { 0.0 }
+        })
+    }
+
+    /// The distances of the points that have a weight, not negative.
+    pub(crate) fn distances(&self, base: &[f64]) -> Vec<f64> {
+        self.frames.iter().zip(base).filter(|(_, w)| **w > 0.0).map(|(f, _)| f.distance.abs()).collect()
+    }
+
+    /// `Σ ω ρ(d²)` over the points with a weight; a point without a footpoint makes it infinite.
+    pub(crate) fn cost(&self, base: &[f64], weighting: &Weighting) -> f64 {
+        let parts = parallel::ranges(self.frames.len(), |range| {
+            let mut sum = 0.0;
+            for i in range {
+                if base[i] > 0.0 {
+                    let distance = self.frames[i].distance;
+                    sum += base[i]
+                        * if distance.is_nan() { f64::INFINITY } else { weighting.worth(distance).cost };
+                }
+            }
+            sum
+        });
+        parts.iter().sum()
+    }
+
+    /// Root mean square distance of the points with their weights, and how many have one.
+    pub(crate) fn rms(&self, base: &[f64], weighting: &Weighting) -> (f64, usize) {
+        let parts = parallel::ranges(self.frames.len(), |range| {
+            let mut sums = (0.0, 0.0, 0);
+            for i in range {
+                let distance = self.frames[i].distance;
+                let weight = if base[i] > 0.0 { base[i] * weighting.worth(distance).weight } else { 0.0 };
+                if weight > 0.0 {
+                    sums = (sums.0 + weight * distance * distance, sums.1 + weight, sums.2 + 1);
+                }
+            }
+            sums
+        });
+        let total = parts.iter().fold((0.0, 0.0, 0), |a, b| (a.0 + b.0, a.1 + b.1, a.2 + b.2));
+        (if total.1 > 0.0 { (total.0 / total.1).sqrt() } else { 0.0 }, total.2)
+    }
+
+    /// The normal equations at this pose.
+    pub(crate) fn system(
+        &self,
+        cloud: &Prepared<D>,
+        base: &[f64],
+        weighting: &Weighting,
+        terms: &Terms,
+    ) -> NormalSystem<D> {
+        let linear = self.pose.rotation * self.pose.scale;
+        let parts = parallel::ranges(self.frames.len(), |range| {
+            let mut system = NormalSystem::default();
+            for i in range {
+                if base[i] > 0.0 {
+                    let normal = if terms.symmetric { cloud.normals.get(i) } else { None };
+                    let normal = normal.map(|n| self.pose.rotate(n));
+                    let y = linear * cloud.points[i];
+                    add_point(&mut system, &self.frames[i], &y, normal, base[i], weighting, terms);
+                }
+            }
+            system
+        });
+        let mut total = NormalSystem::default();
+        for part in &parts {
+            total.merge(part);
+        }
+        total.mirror();
+        total
+    }
+}
+
+/// Adds one point, `y` its position relative to the origin of the motion.
+#[inline]
+fn add_point<const D: usize>(
+    system: &mut NormalSystem<D>,
+    frame: &PrincipalFrame<D>,
+    y: &SVector<f64, D>,
+    normal: Option<SVector<f64, D>>,
+    base: f64,
+    weighting: &Weighting,
+    terms: &Terms,
+) {
+    let worth = weighting.worth(frame.distance);
+    system.cost += base * worth.cost;
+    if worth.weight <= 0.0 {
+        return;
+    }
+    let weight = base * worth.weight;
+    system.weight += weight;
+    system.count += 1;
+    let along = frame.normal();
+    if let Some(normal) = normal.filter(|n| terms.symmetric && n.norm_squared() > 0.0) {
+        add_symmetric(system, frame, y, &normal, weight);
+        return;
+    }
+    let row = Velocity::<D>::row(&along, y);
+    add_square::<D>(&mut system.tangent, &row, weight);
+    system.add_gradient(&row, weight * frame.distance);
+    if terms.taylor {
+        system.add_moment(&(along * (weight * frame.distance)), y);
+        if worth.bend != 0.0 {
+            add_square::<D>(&mut system.taylor, &row, base * worth.bend);
+        }
+    }
+    for k in 0..D - 1 {
+        let axis = frame.axes.column(k).into_owned();
+        if k >= frame.tangent_dimension {
+            let row = Velocity::<D>::row(&axis, y);
+            add_square::<D>(&mut system.tangent, &row, weight);
+            continue;
+        }
+        let share = terms.term.tangent_weight(frame.distance, frame.curvatures[k]);
+        let exact = if terms.taylor {
+            ErrorTerm::Taylor.tangent_weight(frame.distance, frame.curvatures[k])
+        } else {
+            0.0
+        };
+        if share == 0.0 && exact == 0.0 {
+            continue;
+        }
+        let row = Velocity::<D>::row(&axis, y);
+        if share != 0.0 {
+            add_square::<D>(&mut system.term, &row, weight * share);
+        }
+        if exact != 0.0 {
+            add_square::<D>(&mut system.taylor, &row, weight * exact);
+        }
+    }
+}
+
+/// Adds a point with a normal by the symmetric objective (\[Ru19\]): the distance along the mean of both normals, which
+/// moves with the point half-way to the foot.
+fn add_symmetric<const D: usize>(
+    system: &mut NormalSystem<D>,
+    frame: &PrincipalFrame<D>,
+    y: &SVector<f64, D>,
+    normal: &SVector<f64, D>,
+    weight: f64,
+) {
+    let along = frame.normal();
+    let side = if normal.dot(&along) < 0.0 { -1.0 } else { 1.0 };
+    let mean = (along + normal * side) * 0.5;
+    let gap = along * frame.distance;
+    let row = Velocity::<D>::row(&mean, &(y - gap * 0.5));
+    add_square::<D>(&mut system.tangent, &row, weight);
+    system.add_gradient(&row, weight * mean.dot(&gap));
+}

@@ -1,0 +1,114 @@
+//! How outliers are dealt with, and the rule that one step goes by.
+
+use super::scale::quantile_in_place;
+use super::{Kernel, Spread};
+
+/// What is assumed about points that do not belong to the shape.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+pub enum Outliers {
+    /// Least squares over all points, unless the residuals show that some of them do not belong to the shape. Then the
+    /// distance that counts is narrowed from a third of the size of the cloud down to the noise, which is estimated,
+    /// and the result is the least squares solution over the points within it (away from the boundary of the shape).
+    #[default]
+    Automatic,
+    /// There are none: least squares over all points.
+    None,
+    /// A kernel whose scale is narrowed as above, down to the given one or to [`Kernel::tuning`] times the estimated
+    /// noise.
+    Kernel {
+        /// The kernel.
+        kernel: Kernel,
+        /// Its final scale, in the model's unit; estimated if there is none.
+        abs_scale: Option<f64>,
+    },
+    /// Least squares over the given share of the points, in `(0, 1]`: those that are nearest at each step.
+    Trimmed {
+        /// Share of the points that belong to the shape.
+        overlap: f64,
+    },
+}
+
+/// The rule for the weights of one step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Weighting {
+    /// A kernel with the scale `c`.
+    Kernel { kernel: Kernel, scale: f64 },
+    /// All points up to a distance.
+    Cut { limit: f64 },
+}
+
+/// What a point is worth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Worth {
+    /// Its part of the cost, a squared length.
+    pub(crate) cost: f64,
+    /// Its weight `ω = ρ'`.
+    pub(crate) weight: f64,
+    /// What the change of the weight adds to the second derivative along the gradient, `2 s ρ''`.
+    pub(crate) bend: f64,
+}
+
+impl Weighting {
+    /// Least squares.
+    pub(crate) const SQUARES: Self = Self::Kernel { kernel: Kernel::Square, scale: 1.0 };
+
+    /// The scale of the kernel or the limit; `None` for least squares.
+    pub(crate) fn scale(&self) -> Option<f64> {
+        match *self {
+            Self::Kernel { kernel: Kernel::Square, .. } => None,
+            Self::Kernel { scale, .. } => Some(scale),
+            Self::Cut { limit } => Some(limit),
+        }
+    }
+
+    /// What a point at a distance is worth.
+    #[inline]
+    pub(crate) fn worth(&self, distance: f64) -> Worth {
+        let square = distance * distance;
+        match *self {
+            Self::Kernel { kernel: Kernel::Square, .. } => Worth { cost: square, weight: 1.0, bend: 0.0 },
+            Self::Kernel { kernel, scale } => {
+                let s = square / (scale * scale);
+                if s.is_nan() {
+                    // No noise at all: a point on the shape counts, any other does not.
+                    return Worth { cost: 0.0, weight: 1.0, bend: 0.0 };
+                }
+                let bend = if s.is_finite() { 2.0 * s * kernel.weight_slope(s) } else { 0.0 };
+                Worth { cost: scale * scale * kernel.loss(s), weight: kernel.weight(s), bend }
+            }
+            Self::Cut { limit } if distance.abs() <= limit => Worth { cost: square, weight: 1.0, bend: 0.0 },
+            Self::Cut { limit } => Worth { cost: limit * limit, weight: 0.0, bend: 0.0 },
+        }
+    }
+}
+
+/// Where the scale of the rule of a step comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Rule {
+    /// Always the same.
+    Fixed(Weighting),
+    /// The kernel with the tuned multiple of the estimated noise, never wider than `limit` nor narrower than `floor`.
+    Estimated { kernel: Kernel, limit: f64, floor: f64 },
+    /// The given share of the points.
+    Trimmed { overlap: f64 },
+}
+
+impl Rule {
+    /// The weights for the distances (not negative) of a step. Reorders them.
+    pub(crate) fn weighting(&self, distances: &mut [f64]) -> Weighting {
+        match *self {
+            Self::Fixed(weighting) => weighting,
+            Self::Estimated { kernel, limit, floor } => {
+                let sigma = Spread::of(distances, Kernel::Tukey.tuning()).sigma;
+                Weighting::Kernel { kernel, scale: (kernel.tuning() * sigma).min(limit).max(floor) }
+            }
+            Self::Trimmed { overlap } => Weighting::Cut { limit: quantile_in_place(distances, overlap) },
+        }
+    }
+
+    /// Whether the rule depends on the distances.
+    pub(crate) fn adapts(&self) -> bool {
+        !matches!(self, Self::Fixed(_))
+    }
+}
