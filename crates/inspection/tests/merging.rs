@@ -82,7 +82,7 @@ fn the_sums_are_what_they_should_be() {
     let used: Vec<f64> =
         case.deviations.iter().filter(|d| d.outcome == Outcome::Measured).map(|d| d.distance).collect();
     let total = &inspection.total;
-    assert_eq!(total.count as usize, used.len());
+    assert_eq!(total.count, used.len() as u64);
     assert_eq!(inspection.points, 3000);
     assert_eq!(inspection.outcomes.values().sum::<u64>(), 3000);
     assert_eq!(inspection.outcomes["invalid_point"], 31);

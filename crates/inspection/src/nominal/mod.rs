@@ -34,7 +34,7 @@ pub struct Nominal {
 
 #[derive(Debug)]
 enum Kind {
-    Surfaces(SurfacesNominal),
+    Surfaces(Box<SurfacesNominal>),
     Mesh(Box<MeshNominal>),
     Analytic(AnalyticNominal),
 }
@@ -46,7 +46,7 @@ impl Nominal {
     /// [`Error::EmptyModel`] without surfaces.
     pub fn from_surfaces(surfaces: Vec<BsplineSurface>) -> Result<Self, Error> {
         let shapes = vec![ShapeInfo { kind: "surface", name: None }; surfaces.len()];
-        Ok(Self { kind: Kind::Surfaces(SurfacesNominal::new(surfaces)?), shapes })
+        Ok(Self { kind: Kind::Surfaces(Box::new(SurfacesNominal::new(surfaces)?)), shapes })
     }
 
     /// A triangle mesh.
@@ -177,7 +177,9 @@ impl Nominal {
             }
             let Some(direction) = direction(index) else { return Deviation::none(Outcome::NoNormal) };
             match &self.kind {
-                Kind::Surfaces(nominal) => trace::along(nominal, point, &direction, options.max_distance),
+                Kind::Surfaces(nominal) => {
+                    trace::along(nominal.as_ref(), point, &direction, options.max_distance)
+                }
                 Kind::Mesh(nominal) => nominal.along(point, &direction),
                 Kind::Analytic(nominal) => trace::along(nominal, point, &direction, options.max_distance),
             }
