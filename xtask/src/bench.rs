@@ -3,6 +3,8 @@
 //! A benchmark joins the report by existing: a criterion identifier `group/name` is a row `name` in the table
 //! `group`. What a group is about is told in [`GROUPS`]. Times are taken per element of the declared throughput.
 
+mod memory;
+
 use crate::{Failure, workspace};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -37,6 +39,48 @@ const GROUPS: &[(&str, &str, &str)] = &[
          results in the given order are all included. `4096-on-20x20` are 4096 parameters, spread evenly and unsorted, on a \
          net of 20 x 20 control points.",
     ),
+    (
+        "cloud",
+        "Clouds",
+        "Per query, or per point of a cloud of a million points on a wavy surface in no order; queries are ten spacings away \
+         from it. `batch` is on all threads.",
+    ),
+    (
+        "mesh",
+        "Closest points on meshes",
+        "Per query, on a mesh of that many triangles; queries are off the surface by a hundredth of its size. `batch` is on \
+         all threads.",
+    ),
+    (
+        "certified",
+        "Projection with a certificate",
+        "Per point, one at a time, as `shape-set`: points on the shape, near it (up to 1 % of its diagonal), at middle distance \
+         (5 to 25 %), far (1.5 to 4 diagonals), beyond its boundary, and at centres, on axes and at poles (singular).",
+    ),
+    ("fast", "Projection without a certificate", "The same points with `Mode::Fast`."),
+    (
+        "warm",
+        "From a previous answer, one at a time",
+        "`project_from`: points of the shape that have moved by 1e-3 and 1e-2 of its diagonal.",
+    ),
+    (
+        "warm-batch",
+        "From previous answers, many at once",
+        "`update_in_place` on 8192 points, evenly spread and unsorted, moved as above; copying the previous answers is included.",
+    ),
+    ("one-step-batch", "One step from previous answers", "The same with one local step per point."),
+    ("inversion", "Inversion", "`invert` of points on the shape, certified."),
+    (
+        "all-feet",
+        "All feet",
+        "`feet_within` 1.5 times the least distance, points at middle distance, certified.",
+    ),
+    ("preparation", "Preparation of a projector", "Per Bézier piece, once for each shape."),
+    (
+        "local",
+        "Local iterations on any parametric shape",
+        "From starts a hundredth of the domain away to full convergence (1e-12), with all safeguards.",
+    ),
 ];
 
 /// Runs the command.
@@ -60,7 +104,8 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     let target = PathBuf::from(metadata["target_directory"].as_str().unwrap_or("target"));
     let mut times = BTreeMap::new();
     collect(&target.join("criterion"), since, &mut times)?;
-    let text = report(&times, &processor(), quick).map_err(Failure::Failed)?;
+    let memory = memory::per_piece().map_err(|error| Failure::Failed(error.to_string()))?;
+    let text = report(&times, &memory, &processor(), quick).map_err(Failure::Failed)?;
     std::fs::write(root.join(REPORT), text)
         .map_err(|error| Failure::Failed(format!("{REPORT} cannot be written: {error}")))?;
     println!("{} benchmarks written to {REPORT}", times.len());
@@ -179,7 +224,12 @@ fn processor() -> String {
     }
 }
 
-fn report(times: &BTreeMap<String, f64>, processor: &str, quick: bool) -> Result<String, String> {
+fn report(
+    times: &BTreeMap<String, f64>,
+    memory: &[(&str, usize)],
+    processor: &str,
+    quick: bool,
+) -> Result<String, String> {
     let unit =
         *times.get(UNIT).ok_or_else(|| format!("there is no result of `{UNIT}`, the unit of the report"))?;
     let mut text = format!(
@@ -208,6 +258,10 @@ fn report(times: &BTreeMap<String, f64>, processor: &str, quick: bool) -> Result
         for (name, ratio) in rows {
             let _ = writeln!(text, "| {name} | {} |", three_digits(*ratio));
         }
+    }
+    let _ = writeln!(text, "\n## Memory of a projector\n\n| shape | bytes per piece |\n|---|---:|");
+    for (name, bytes) in memory {
+        let _ = writeln!(text, "| {name} | {bytes} |");
     }
     Ok(text)
 }
@@ -255,11 +309,12 @@ mod tests {
     fn report_shows_ratios_only_and_unlisted_groups_last() {
         let times = [(UNIT, 40.0), ("batch/x", 10.0), ("aardvark/y", 4000.0)];
         let times = times.map(|(id, time)| (id.to_owned(), time)).into();
-        let text = report(&times, "a processor", true).unwrap();
+        let text = report(&times, &[("a shape", 123)], "a processor", true).unwrap();
+        assert!(text.ends_with("| a shape | 123 |\n"), "{text}");
         assert!(text.contains("cargo xtask bench --quick") && text.contains("took 40 ns"), "{text}");
         assert!(text.contains("| bicubic/single | 1.00 |") && text.contains("| x | 0.250 |"), "{text}");
         assert!(text.contains("| y | 100 |"), "{text}");
         assert!(text.find("| x |").unwrap() < text.find("| y |").unwrap());
-        assert!(report(&BTreeMap::new(), "", false).unwrap_err().contains(UNIT));
+        assert!(report(&BTreeMap::new(), &[], "", false).unwrap_err().contains(UNIT));
     }
 }

@@ -1,6 +1,6 @@
 //! Where the parameters of a surface cannot move freely: its ends, its kinks and its poles.
 
-use crate::local_geometry::{LocalGeometry, of_point, of_space_curve, of_surface};
+use crate::local_geometry::{LocalGeometry, of_curve, of_point, of_surface};
 use crate::pole::Pole;
 use nalgebra::Vector3;
 use nurbs_core::{CurveJet, Interval, ParametricSurface, SurfaceJet};
@@ -13,6 +13,8 @@ const SAME_POINT: f64 = 1e-9;
 const HELD: f64 = 1e-6;
 /// Distance from a pole, as a share of the size, within which second derivatives are rounding errors.
 const BESIDE_POLE: f64 = 1e-5;
+/// Share of a domain by which the other side of a kink is looked at.
+const BESIDE_KINK: f64 = 1e-7;
 /// Samples of an edge per stretch between two breaks.
 const SAMPLES: usize = 4;
 
@@ -76,13 +78,15 @@ impl Borders {
 
     /// The local geometry at a foot with the given residual, and whether the surface ends there.
     #[inline]
-    pub(crate) fn geometry(
+    pub(crate) fn geometry<S: ParametricSurface>(
         &self,
+        surface: &S,
         parameter: [f64; 2],
         jet: &SurfaceJet,
         residual: &Vector3<f64>,
     ) -> (LocalGeometry<3>, bool) {
         let mut free = [true; 2];
+        let mut held = [false; 2];
         let mut on_boundary = false;
         for k in 0..2 {
             let tangent = if k == 0 { &jet.du } else { &jet.dv };
@@ -104,15 +108,41 @@ impl Borders {
                     free[k] = false;
                     on_boundary = true;
                 }
-                End::Closed if at_end => free[k] = self.slides(tangent, residual),
+                End::Closed if at_end => held[k] = !self.slides(tangent, residual),
                 End::Open | End::Closed => {}
             }
             let tolerance = AT_END * self.domain[k].length();
             if self.kinks[k].iter().any(|kink| (kink - parameter[k]).abs() <= tolerance) {
-                free[k] = self.slides(tangent, residual);
+                held[k] = !self.slides(tangent, residual);
             }
+            free[k] &= !held[k];
         }
-        (geometry_along(free, jet, residual), on_boundary)
+        if free == [true; 2]
+            && let Some(geometry) = of_surface(jet, residual)
+        {
+            return (geometry, on_boundary);
+        }
+        (geometry_along(free, jet, residual, self.side(surface, parameter, jet, held)), on_boundary)
+    }
+
+    /// The normal that tells the side of a foot: at a kink the sum of those around it.
+    fn side<S: ParametricSurface>(
+        &self,
+        surface: &S,
+        parameter: [f64; 2],
+        jet: &SurfaceJet,
+        held: [bool; 2],
+    ) -> Option<Vector3<f64>> {
+        if held == [false; 2] {
+            return jet.unit_normal();
+        }
+        let around = |k: usize| {
+            let step = if held[k] { BESIDE_KINK * self.domain[k].length() } else { 0.0 };
+            [self.moved(k, parameter[k], -step), self.moved(k, parameter[k], step)]
+        };
+        let [us, vs] = [around(0), around(1)];
+        let normals = us.into_iter().flat_map(|u| vs.map(|v| surface.jet(u, v).unit_normal()));
+        Some(normals.flatten().sum())
     }
 
     /// Whether the foot is not held by a kink: the residual is normal to the tangent.
@@ -148,16 +178,13 @@ impl Borders {
     }
 }
 
-/// The model of the parameters that are free: `Q = I − J M⁻¹ Jᵀ` over these (all: a surface; one: a curve; none: a
-/// point).
-#[inline]
-fn geometry_along(free: [bool; 2], jet: &SurfaceJet, residual: &Vector3<f64>) -> LocalGeometry<3> {
-    if free == [true; 2]
-        && let Some(geometry) = of_surface(jet, residual)
-    {
-        return geometry;
-    }
-    let normal = jet.unit_normal();
+/// The model of the parameters that are free: `Q = I − J M⁻¹ Jᵀ` over these (one: a curve; none: a point).
+fn geometry_along(
+    free: [bool; 2],
+    jet: &SurfaceJet,
+    residual: &Vector3<f64>,
+    side: Option<Vector3<f64>>,
+) -> LocalGeometry<3> {
     let direction = match free {
         [true, false] => Some(0),
         [false, true] => Some(1),
@@ -166,9 +193,8 @@ fn geometry_along(free: [bool; 2], jet: &SurfaceJet, residual: &Vector3<f64>) ->
         [true, true] => Some(usize::from(jet.du.norm_squared() < jet.dv.norm_squared())),
     };
     direction
-        .map(|k| line(jet, k))
-        .and_then(|line| of_space_curve(&line, residual, normal.as_ref()))
-        .unwrap_or_else(|| of_point(residual, normal.as_ref()))
+        .and_then(|k| of_curve(&line(jet, k), residual, side.as_ref()))
+        .unwrap_or_else(|| of_point(residual, side.as_ref()))
 }
 
 /// The jet of a parameter line.

@@ -13,4 +13,20 @@ pub enum Error {
     /// The mesh or cloud cannot be used.
     #[error(transparent)]
     Mesh(#[from] mesh_core::Error),
+    /// A cloud without any point to measure the distance from.
+    #[error("none of {count} points has finite coordinates; a distance needs at least one")]
+    NoPoints {
+        /// Number of points.
+        count: usize,
+    },
+    /// An option has a value that cannot be used.
+    #[error("option {option} is {value}: {what}")]
+    Option {
+        /// Its name.
+        option: &'static str,
+        /// Its value.
+        value: f64,
+        /// What is asked of it.
+        what: &'static str,
+    },
 }

@@ -35,3 +35,26 @@ pub trait DistanceField<const D: usize>: Sync {
     /// A box around the shape, for scales and coarse starts.
     fn bounding_box(&self) -> Aabb<D>;
 }
+
+macro_rules! forward {
+    ($($pointer:ty),*) => {$(
+        impl<const D: usize, F: DistanceField<D> + ?Sized> DistanceField<D> for $pointer {
+            fn frame(&self, x: &SVector<f64, D>, search: Search, hint: &Hint) -> PrincipalFrame<D> {
+                (**self).frame(x, search, hint)
+            }
+            fn frames(&self, points: &[SVector<f64, D>], search: Search, hints: &[Hint]) -> Vec<PrincipalFrame<D>> {
+                (**self).frames(points, search, hints)
+            }
+            fn quadratic(&self, x: &SVector<f64, D>, term: ErrorTerm) -> QuadraticModel<D> {
+                (**self).quadratic(x, term)
+            }
+            fn distance(&self, x: &SVector<f64, D>) -> f64 {
+                (**self).distance(x)
+            }
+            fn bounding_box(&self) -> Aabb<D> {
+                (**self).bounding_box()
+            }
+        }
+    )*};
+}
+forward!(&F, Box<F>);

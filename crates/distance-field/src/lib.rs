@@ -4,12 +4,59 @@
 //! [`PrincipalFrame`], the footpoint with the principal directions and curvatures there. An [`ErrorTerm`] turns the frame
 //! into a [`QuadraticModel`] of the squared distance, and the sum of such models is what one step minimises
 //! (\[P05, sec. 3.2\]).
+//!
+//! | shape | field | feet | tangent directions |
+//! |---|---|---|---|
+//! | NURBS surfaces | [`SurfaceField`] | exact, certified | 2 inside, 1 on edges and kinks, 0 at corners |
+//! | NURBS curves | [`CurveField`] | exact, certified | 1, 0 at ends and kinks |
+//! | plane, sphere, cylinder, cone, torus | [`AnalyticField`] | closed form | as for surfaces |
+//! | line, circle | [`AnalyticCurveField`] | closed form | as for curves |
+//! | triangle meshes | [`MeshField`] | exact | 2 ([`MeshGeometry::Smooth`]), 1 and 0 on boundaries |
+//! | dense clouds | [`CloudField`] | on quadrics at the points | 2 |
+//! | any of these | [`D2Tree`] | none: precomputed models | as in the field it is made of |
+//!
+//! All of them at once, as a registration does:
+//!
+//! ```
+//! use distance_field::{AnalyticField, CloudField, DistanceField, ErrorTerm, MeshField, Search, SurfaceField};
+//! use mesh_core::TriangleMesh;
+//! use nalgebra::{Point3, Vector3};
+//! use nurbs_core::{Frame, Sphere, TessellationOptions};
+//!
+//! let sphere = Sphere::new(Frame::WORLD, 1.0)?;
+//! let surface = sphere.to_nurbs()?;
+//! let tessellation = surface.tessellate(&TessellationOptions::new(1e-3).with_weld(true))?;
+//! let points: Vec<_> = tessellation.vertices.iter().copied().map(Point3::from).collect();
+//! let mesh = TriangleMesh::new(points.clone(), tessellation.triangles)?;
+//!
+//! let fields: [Box<dyn DistanceField<3>>; 4] = [
+//!     Box::new(SurfaceField::new(&surface)?),
+//!     Box::new(AnalyticField::new(sphere)?),
+//!     Box::new(MeshField::new(&mesh)?),
+//!     Box::new(CloudField::new(&points, None)?),
+//! ];
+//! let scan = [Vector3::new(0.9, 0.5, 0.2), Vector3::new(-0.2, 0.4, 0.8)];
+//! for field in fields {
+//!     for (x, frame) in scan.iter().zip(field.frames(&scan, Search::Global, &[])) {
+//!         let model = ErrorTerm::SquaredDistance.model(&frame);
+//!         assert!((model.value(x) - (x.norm() - 1.0).powi(2)).abs() < 1e-2);
+//!     }
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
+mod analytic;
 mod borders;
+mod cloud;
+mod curve;
+mod curve_ends;
+mod d2_tree;
 mod error;
 mod field;
 mod frame;
 mod local_geometry;
+mod mesh;
+mod osculating;
 mod parallel;
 mod pole;
 mod quadratic;
@@ -17,9 +64,14 @@ mod search;
 mod surface;
 mod term;
 
+pub use analytic::{AnalyticCurve, AnalyticCurveField, AnalyticField};
+pub use cloud::{CloudField, CloudOptions};
+pub use curve::CurveField;
+pub use d2_tree::{D2Tree, D2TreeOptions, D2TreeReport};
 pub use error::Error;
 pub use field::DistanceField;
 pub use frame::PrincipalFrame;
+pub use mesh::{MeshField, MeshGeometry, MeshOptions};
 pub use quadratic::QuadraticModel;
 pub use search::{Hint, Search};
 pub use surface::SurfaceField;

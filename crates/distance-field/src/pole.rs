@@ -4,7 +4,7 @@
 //! pole leave it in many tangent directions, and the normal curvature of each is known. Euler's theorem makes of them
 //! the principal curvatures.
 
-use crate::local_geometry::{LocalGeometry, completed, of_point, of_principal};
+use crate::local_geometry::{LocalGeometry, of_point, of_principal, principal_axes, tangents};
 use nalgebra::{Matrix3, Vector3};
 use nurbs_core::{ParametricSurface, SurfaceJet};
 
@@ -50,7 +50,7 @@ impl Pole {
         let sum: Vector3<f64> = lines.iter().map(|(_, normal, _)| normal).sum();
         let normal = sum.try_normalize(f64::MIN_POSITIVE).unwrap_or_else(Vector3::z);
         let flat = lines.iter().all(|(direction, _, _)| direction.dot(&normal).abs() <= APEX);
-        let [e1, e2] = completed(&normal);
+        let [e1, e2] = tangents(&normal);
         let mut pole =
             Self { normal, directions: [e1, e2], curvatures: [0.0; 2], smooth: false, inner: false };
         let angles: Vec<f64> =
@@ -72,18 +72,14 @@ impl Pole {
             right += row * bend.dot(&self.normal);
         }
         let Some(form) = matrix.cholesky().map(|c| c.solve(&right)) else { return false };
-        let (half, mean) = (0.5 * (form.x - form.z), 0.5 * (form.x + form.z));
-        let radius = half.hypot(form.y);
-        let angle = 0.5 * form.y.atan2(half);
-        self.directions = [e1 * angle.cos() + e2 * angle.sin(), e2 * angle.cos() - e1 * angle.sin()];
-        self.curvatures = [mean + radius, mean - radius];
+        (self.directions, self.curvatures) = principal_axes([form.x, form.y, form.z], [e1, e2]);
         self.curvatures.iter().all(|c| c.is_finite())
     }
 
     /// The geometry at the pole as a query sees it.
     pub(crate) fn geometry(&self, residual: &Vector3<f64>) -> LocalGeometry<3> {
         if self.smooth && self.inner {
-            of_principal(&self.directions, &self.normal, self.curvatures, residual)
+            of_principal(&self.directions, &self.normal, self.curvatures, residual.dot(&self.normal))
         } else {
             of_point(residual, Some(&self.normal))
         }
@@ -98,7 +94,7 @@ impl Pole {
     ) -> Option<LocalGeometry<3>> {
         let normal = jet.unit_normal().filter(|_| self.smooth)?;
         let first = (self.directions[0] - normal * normal.dot(&self.directions[0])).try_normalize(0.5)?;
-        Some(of_principal(&[first, normal.cross(&first)], &normal, self.curvatures, residual))
+        Some(of_principal(&[first, normal.cross(&first)], &normal, self.curvatures, residual.dot(&normal)))
     }
 }
 

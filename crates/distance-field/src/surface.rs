@@ -116,7 +116,8 @@ impl SurfaceField {
         if !residual.iter().all(|c| c.is_finite()) {
             return PrincipalFrame::invalid(failure(place.status));
         }
-        let (geometry, on_boundary) = self.borders[place.shape].geometry(place.parameter, jet, &residual);
+        let (geometry, on_boundary) =
+            self.borders[place.shape].geometry(&self.surfaces[place.shape], place.parameter, jet, &residual);
         PrincipalFrame {
             foot: jet.point + self.centre,
             axes: geometry.axes,

@@ -42,14 +42,13 @@ impl ErrorTerm {
         match self {
             Self::Point => 1.0,
             Self::Tangent => 0.0,
-            Self::SquaredDistance => {
-                if delta >= 1.0 {
-                    1.0
-                } else {
-                    (delta / (delta - 1.0)).max(0.0)
-                }
+            Self::SquaredDistance if delta >= 1.0 => 1.0,
+            Self::SquaredDistance if delta > 0.0 => 0.0,
+            Self::SquaredDistance | Self::SquaredDistanceRatio => {
+                let ratio = delta.abs() / (delta.abs() + 1.0);
+                // Only an infinite δ gives no ratio.
+                if ratio.is_finite() { ratio } else { 1.0 }
             }
-            Self::SquaredDistanceRatio => delta.abs() / (delta.abs() + 1.0),
             Self::Taylor => {
                 let weight = delta / (delta - 1.0);
                 if weight.is_finite() { weight } else { 1.0 }

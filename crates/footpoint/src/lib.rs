@@ -37,6 +37,6 @@ mod status;
 
 pub use error::Error;
 pub use footpoint::{CurveFootpoint, SurfaceFootpoint};
-pub use options::{Mode, ProjectionOptions};
+pub use options::{Mode, ProjectionOptions, UpdateOptions};
 pub use projector::{CurveFeet, CurveProjector, Progress, SurfaceFeet, SurfaceProjector, no_progress};
 pub use status::{Location, Multiplicity, Status};

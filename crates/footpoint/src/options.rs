@@ -9,7 +9,12 @@ pub enum Mode {
     /// Global search with a proof that no other point is nearer (but for the gap).
     #[default]
     Certified,
-    /// Local iterations from the most promising pieces only; no proof.
+    /// Local iterations from the most promising places only; no proof.
+    ///
+    /// Every piece whose bounds do not exclude a nearer point (the 32 nearest at most) is sampled on a grid, eight
+    /// places or more in each direction, and the distance is followed from each dip that may lead lower. The answer is
+    /// always a true point of the shape with its distance, and a local minimum; another minimum that is nearer is
+    /// missed only where it hides between samples, or next to a pole, whose parameter lines all meet. For wavy surfaces and tight turns within one piece, certify.
     Fast,
     /// One local iteration from the start given: a previous answer, or the nearest piece when there is none.
     Local,
@@ -76,6 +81,42 @@ impl ProjectionOptions {
             if !(0.0..1.0).contains(&value) {
                 return Err(Error::Option { option, value, what: "it must be at least 0 and below 1" });
             }
+        }
+        Ok(())
+    }
+}
+
+/// Options of an update of known footpoints.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct UpdateOptions {
+    /// Largest number of steps of the local iteration for each point, at least 1; default 50.
+    ///
+    /// A foot that needs more has [`Status::MaxIterations`](crate::Status::MaxIterations); it is not further away than the
+    /// one before.
+    pub max_steps: u32,
+}
+
+impl Default for UpdateOptions {
+    fn default() -> Self {
+        Self { max_steps: 50 }
+    }
+}
+
+impl UpdateOptions {
+    /// The same options with another limit of the steps.
+    #[must_use]
+    pub fn with_max_steps(self, max_steps: u32) -> Self {
+        Self { max_steps }
+    }
+
+    /// Checks that the limit is usable.
+    ///
+    /// # Errors
+    /// [`Error::Option`] for a limit of 0.
+    pub fn validate(&self) -> Result<(), Error> {
+        if self.max_steps == 0 {
+            return Err(Error::Option { option: "max_steps", value: 0.0, what: "it must be at least 1" });
         }
         Ok(())
     }

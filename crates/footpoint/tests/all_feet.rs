@@ -118,8 +118,7 @@ fn spheres_and_their_poles() {
     for x in [[0.3, 0.2, 0.1], [3.0, -1.0, 0.5], [0.0, 0.0, 3.0], [0.0, 0.0, -0.5], [1e-6, 0.0, 1.0]] {
         let all = projector.feet_within(&Vector3::from(x), 50.0, &options()).unwrap();
         assert_eq!(all.feet.len(), 1, "{x:?} {all:?}");
-        // At a pole and next to it the proof may be left open; the report says so.
-        assert!(all.complete || x[1] == 0.0, "{x:?} {all:?}");
+        assert!(all.complete, "{x:?} {all:?}");
         let d = (Vector3::from(x).norm() - 2.0).abs();
         assert!(close(all.feet[0].distance, d) && all.feet[0].status.is_converged(), "{x:?} {all:?}");
         assert!(all.boxes < 4000, "{x:?} {}", all.boxes);

@@ -84,9 +84,7 @@ proptest! {
             let expected = surface.footpoint(&x).distance;
             let found: Answer<3> = projector.project(&x).into();
             prop_assert_eq!(nurbs.inconsistency(&x, &found), None, "{:?} {:?}", query, found);
-            // Next to an axis all points of a circle are within the gap that the certificate allows.
-            let allowed = 1e-9 * size + if matches!(query, Query::Axis(..)) { 1.1e-7 * expected } else { 0.0 };
-            prop_assert!((found.distance - expected).abs() <= allowed, "{} {:?} {:?}", expected, query, found);
+            prop_assert!((found.distance - expected).abs() <= 1e-9 * size, "{} {:?} {:?}", expected, query, found);
             prop_assert!(found.lower_bound <= expected + 1e-12 * size, "{} {:?} {:?}", expected, query, found);
             prop_assert!(found.status.is_converged(), "{:?} {:?}", query, found);
         }
@@ -107,9 +105,7 @@ proptest! {
             let expected = circle.footpoint(&x).distance;
             let found: Answer<3> = projector.project(&x).into();
             prop_assert_eq!(nurbs.inconsistency(&x, &found), None, "{:?} {:?}", query, found);
-            // Next to an axis all points of a circle are within the gap that the certificate allows.
-            let allowed = 1e-9 * size + if matches!(query, Query::Axis(..)) { 1.1e-7 * expected } else { 0.0 };
-            prop_assert!((found.distance - expected).abs() <= allowed, "{} {:?} {:?}", expected, query, found);
+            prop_assert!((found.distance - expected).abs() <= 1e-9 * size, "{} {:?} {:?}", expected, query, found);
             prop_assert!(found.lower_bound <= expected + 1e-12 * size, "{} {:?} {:?}", expected, query, found);
             prop_assert!(found.status.is_converged(), "{:?} {:?}", query, found);
         }

@@ -1,10 +1,10 @@
 //! What can be typed.
 
-use crate::commands::{convert, demo, info, project};
+use crate::commands::{convert, demo, info, inspect, project};
 use clap::{Args, Parser, Subcommand};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-/// From scans to CAD: closest points of NURBS models and meshes, with a proof that no other point is nearer.
+/// From scans to CAD: deviations from NURBS models and meshes, with a proof that no other point is nearer.
 #[derive(Debug, Parser)]
 #[command(version, propagate_version = true, max_term_width = 110, after_help = AFTER_HELP)]
 pub(crate) struct Cli {
@@ -15,27 +15,41 @@ pub(crate) struct Cli {
 }
 
 const AFTER_HELP: &str = "\
-Exit status: 0 done; 1 done, but the answer is \"no\" (some points did not converge); 2 bad input or usage.
+Exit status: 0 done; 1 done, but the answer is \"no\" (out of tolerance, not converged); 2 bad input or usage.
 Units are those of the files. Formats are recognised by content first, by extension second.
 
 Examples:
   indgeo demo
   indgeo project model.json scan.ply -o deviations.csv
+  indgeo inspect model.json scan.ply --tolerance 0.05 --report report.html
   indgeo info scan.ply";
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     Project(project::Args),
+    Inspect(inspect::Args),
     Convert(convert::Args),
     Info(info::Args),
     Demo(demo::Args),
 }
 
 impl Command {
+    /// The files that the command line says are read, and those it says are written.
+    pub(crate) fn files(&self) -> (Vec<&Path>, Vec<PathBuf>) {
+        match self {
+            Self::Project(args) => (vec![&args.model, &args.points], vec![args.out.clone()]),
+            Self::Inspect(args) => args.files(),
+            Self::Convert(args) => (vec![&args.input], vec![args.output.clone()]),
+            Self::Info(args) => (args.files.iter().map(PathBuf::as_path).collect(), Vec::new()),
+            Self::Demo(args) => (Vec::new(), args.results().to_vec()),
+        }
+    }
+
     /// The name that was typed, as the report repeats it.
     pub(crate) fn name(&self) -> &'static str {
         match self {
             Self::Project(_) => "project",
+            Self::Inspect(_) => "inspect",
             Self::Convert(_) => "convert",
             Self::Info(_) => "info",
             Self::Demo(_) => "demo",

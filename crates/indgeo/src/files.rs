@@ -1,15 +1,37 @@
-//! Paths of files to be written, checked before any work is done.
+//! Paths of files to be read and written, checked before any work is done.
 
 use crate::error::Error;
-use industrial_geometry::io::AtomicFile;
+use industrial_geometry::io::{self, AtomicFile, Content, Loaded, ReadOptions};
 use std::fs;
 use std::path::Path;
 
+/// The name that stands for standard input and standard output.
+const STREAM: &str = "-";
+
+/// Whether a path stands for standard input or standard output.
+pub(crate) fn is_stream(path: &Path) -> bool {
+    path.as_os_str() == STREAM
+}
+
+/// Reads a file, or standard input where it is called `-`.
+pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Loaded<Content>, Error> {
+    if is_stream(path) {
+        return Ok(io::read_from(std::io::stdin().lock(), "standard input", options)?);
+    }
+    Ok(io::read(path, options)?)
+}
+
+/// Makes sure that standard input is read once at most.
+pub(crate) fn check_inputs(inputs: &[&Path]) -> Result<(), Error> {
+    if inputs.iter().filter(|path| is_stream(path)).count() > 1 {
+        return Err(Error::usage("standard input (`-`) is named twice", "put one of them into a file"));
+    }
+    Ok(())
+}
+
 /// Makes sure that `path` can be written and is none of the inputs, and leaves everything as it was.
 pub(crate) fn check_writable(path: &Path, inputs: &[&Path]) -> Result<(), Error> {
-    if let Ok(target) = fs::canonicalize(path)
-        && inputs.iter().any(|input| fs::canonicalize(input).is_ok_and(|input| input == target))
-    {
+    if inputs.iter().any(|input| is_same(path, input)) {
         return Err(Error::content(
             path,
             "this would overwrite an input",
@@ -22,6 +44,18 @@ pub(crate) fn check_writable(path: &Path, inputs: &[&Path]) -> Result<(), Error>
         drop(AtomicFile::create(path)?);
     }
     Ok(())
+}
+
+/// Whether two paths name the same file, there or not yet. Devices and pipes are never the same.
+pub(crate) fn is_same(a: &Path, b: &Path) -> bool {
+    let place = |path: &Path| {
+        if let Ok(there) = fs::canonicalize(path) {
+            return Some(there).filter(|there| there.is_file());
+        }
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+        Some(fs::canonicalize(folder.unwrap_or(Path::new("."))).ok()?.join(path.file_name()?))
+    };
+    !is_stream(a) && !is_stream(b) && place(a).is_some_and(|a| place(b).is_some_and(|b| a == b))
 }
 
 /// The extension in lower case; empty when there is none.

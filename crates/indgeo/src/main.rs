@@ -1,10 +1,11 @@
-//! Industrial Geometry on the command line: `indgeo project | convert | info | demo`.
+//! Industrial Geometry on the command line: `indgeo project | inspect | convert | info | demo`.
 
 mod args;
 mod commands;
 mod demo;
 mod error;
 mod files;
+mod inspecting;
 mod model;
 mod output;
 mod points;
@@ -12,10 +13,10 @@ mod progress;
 mod projection;
 mod report;
 mod session;
-mod statistics;
 mod summary;
 mod target;
 mod threads;
+mod transform;
 
 use clap::Parser;
 use std::process::ExitCode;

@@ -1,7 +1,8 @@
 //! The model that points are projected onto.
 
 use crate::error::Error;
-use industrial_geometry::io::{self, Content, ReadOptions, ReadReport, Shape};
+use crate::files;
+use industrial_geometry::io::{Content, ReadOptions, ReadReport, Shape};
 use industrial_geometry::mesh::TriangleMesh;
 use industrial_geometry::nurbs::{BsplineCurve, BsplineSurface};
 use std::path::Path;
@@ -45,7 +46,7 @@ pub(crate) struct Loaded {
 impl Loaded {
     /// Reads NURBS JSON or a mesh.
     pub(crate) fn read(path: &Path) -> Result<Self, Error> {
-        let loaded = io::read(path, &ReadOptions::default())?;
+        let loaded = files::read(path, &ReadOptions::default())?;
         let report = loaded.report;
         match loaded.content {
             Content::Nurbs(model) => {

@@ -1,7 +1,8 @@
 //! The points to be projected.
 
 use crate::error::Error;
-use industrial_geometry::io::{self, Content, ReadOptions, ReadReport};
+use crate::files;
+use industrial_geometry::io::{Content, ReadOptions, ReadReport};
 use industrial_geometry::mesh::nalgebra::{Point3, Vector2, Vector3};
 use std::path::Path;
 
@@ -10,6 +11,8 @@ use std::path::Path;
 pub(crate) struct Points {
     /// Positions; z = 0 where the file has two columns.
     pub(crate) positions: Vec<Point3<f64>>,
+    /// Normals, if the file has them.
+    pub(crate) normals: Option<Vec<Vector3<f64>>>,
     /// Whether the file has two columns.
     pub(crate) is_planar: bool,
     /// Triangles over the points, if the file is a mesh.
@@ -21,7 +24,7 @@ pub(crate) struct Points {
 impl Points {
     /// Reads a cloud, or the vertices of a mesh; there must be at least one finite point.
     pub(crate) fn read(path: &Path, drop_non_finite: bool) -> Result<Self, Error> {
-        let loaded = io::read(path, &ReadOptions::default().with_drop_non_finite(drop_non_finite))?;
+        let loaded = files::read(path, &ReadOptions::default().with_drop_non_finite(drop_non_finite))?;
         let report = loaded.report;
         let (cloud, triangles) = match loaded.content {
             Content::Cloud(cloud) => (cloud, Vec::new()),
@@ -39,7 +42,9 @@ impl Points {
             return Err(Error::content(path, what, "export the file again"));
         }
         let is_planar = cloud.dimension() == 2;
-        Ok(Self { positions: cloud.into_parts().0, is_planar, triangles, report })
+        let (positions, attributes) = cloud.into_parts();
+        let normals = attributes.normals().map(<[_]>::to_vec);
+        Ok(Self { positions, normals, is_planar, triangles, report })
     }
 
     /// The points in the plane, for a model in the plane.

@@ -10,9 +10,9 @@ use crate::progress::Progress;
 use crate::report::{
     Input, ModelSummary, Options, Output, ProjectionResults, Report, Results, ShapeResults, Timings, Worst,
 };
-use crate::statistics::Statistics;
 use crate::target::{Foot, Target};
 use industrial_geometry::footpoint::{Multiplicity, ProjectionOptions, Status};
+use industrial_geometry::inspection::Statistics;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -54,6 +54,7 @@ pub(crate) struct Projected {
 /// Does the job and fills in the report.
 pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Projected, Error> {
     let format = Format::of(job.out)?;
+    files::check_inputs(&[job.model, job.points])?;
     files::check_writable(job.out, &[job.model, job.points])?;
 
     let mut timings = Timings::default();
@@ -68,8 +69,12 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Projected, Error
     let target = Timings::measure(&mut timings.build, || Target::build(loaded.model, job.model))?;
     let layout = Layout::of(&target, shapes.len());
     report.model = Some(summarise(&target, shapes.len()));
-    report.options =
-        Some(Options { mode: job.mode.name(), relative_gap: job.options.relative_gap, threads: job.threads });
+    report.options = Some(Options {
+        mode: job.mode.name(),
+        relative_gap: job.options.relative_gap,
+        threads: job.threads,
+        transform: None,
+    });
     let progress = Progress::new("projecting", job.quiet);
     let feet = Timings::measure(&mut timings.compute, || {
         target.project(&points, job.points, &job.options, &|done, total| progress.report(done, total))
@@ -198,7 +203,7 @@ fn shape_results(feet: &[Foot], shapes: &[(&'static str, Option<String>)]) -> Ve
     }
     let results = by_shape.into_iter().filter_map(|(index, (on_boundary, distances))| {
         let (kind, name) = shapes.get(index as usize)?.clone();
-        let distance = Statistics::of(distances.into_iter())?;
+        let distance = Statistics::of(distances)?;
         Some(ShapeResults { index, kind, name, on_boundary, distance })
     });
     results.collect()

@@ -1,6 +1,6 @@
 //! The machine-readable report of a command (`--json`).
 
-use crate::statistics::Statistics;
+use industrial_geometry::inspection::{Inspection, Statistics};
 use industrial_geometry::io::ReadReport;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -14,7 +14,7 @@ pub(crate) struct Report {
     pub(crate) command: &'static str,
     /// Version of the program.
     pub(crate) version: &'static str,
-    /// `done` (exit status 0), `not_converged` (1), `error` (2).
+    /// `done` (exit status 0), `not_converged` or `out_of_tolerance` (1), `error` (2).
     pub(crate) status: &'static str,
     /// Exit status of the process.
     pub(crate) exit_code: u8,
@@ -122,6 +122,9 @@ pub(crate) struct Options {
     pub(crate) relative_gap: f64,
     /// Number of threads asked for; `null` for one per core.
     pub(crate) threads: Option<u16>,
+    /// The matrix by rows that was applied to the points before anything else.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) transform: Option<[[f64; 4]; 4]>,
 }
 
 /// Seconds per stage.
@@ -153,6 +156,8 @@ impl Timings {
 pub(crate) enum Results {
     /// Of a projection.
     Projection(Box<ProjectionResults>),
+    /// Of an inspection.
+    Inspection(Box<Inspection>),
     /// Of `info`.
     Files(Vec<serde_json::Value>),
 }

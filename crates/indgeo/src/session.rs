@@ -1,6 +1,6 @@
 //! From arguments to an exit status: runs a command, prints its summary, warnings and errors, writes its report.
 
-use crate::args::{Cli, Common};
+use crate::args::{Cli, Command, Common};
 use crate::commands::{self, Outcome};
 use crate::error::Error;
 use crate::files;
@@ -16,14 +16,14 @@ pub(crate) fn run(cli: &Cli) -> ExitCode {
     let common = &cli.common;
     let mut report =
         Report { command: cli.command.name(), version: env!("CARGO_PKG_VERSION"), ..Report::default() };
-    let json_file = common.json.as_deref().filter(|path| !is_stdout(path));
-    let mut ended = match json_file.map_or(Ok(()), |path| files::check_writable(path, &[])) {
+    let json_file = common.json.as_deref().filter(|path| !files::is_stream(path));
+    let mut ended = match json_file.map_or(Ok(()), |path| check_report(path, &cli.command)) {
         Ok(()) => threads::with_threads(common.threads, || commands::run(&cli.command, common, &mut report)),
         Err(error) => return fail(&error),
     };
     (report.status, report.exit_code) = match &ended {
         Ok(Outcome { converged: true, .. }) => ("done", 0),
-        Ok(Outcome { converged: false, .. }) => ("not_converged", 1),
+        Ok(Outcome { otherwise, .. }) => (*otherwise, 1),
         Err(_) => ("error", 2),
     };
     report.error = ended.as_ref().err().map(ToString::to_string);
@@ -42,8 +42,17 @@ pub(crate) fn run(cli: &Cli) -> ExitCode {
     }
 }
 
-fn is_stdout(path: &Path) -> bool {
-    path.as_os_str() == "-"
+/// Makes sure that the report can be written and takes the place of no other file of the command.
+fn check_report(path: &Path, command: &Command) -> Result<(), Error> {
+    let (inputs, outputs) = command.files();
+    if outputs.iter().any(|output| files::is_same(path, output)) {
+        return Err(Error::content(
+            path,
+            "this is the output as well",
+            "choose another name for the report (`--json`)",
+        ));
+    }
+    files::check_writable(path, &inputs)
 }
 
 fn fail(error: &Error) -> ExitCode {
@@ -60,7 +69,7 @@ fn tell(common: &Common, outcome: &Outcome, warnings: &[String]) {
     for warning in warnings {
         let _ = writeln!(stderr, "warning: {warning}");
     }
-    if !common.json.as_deref().is_some_and(is_stdout) {
+    if !common.json.as_deref().is_some_and(files::is_stream) {
         let _ = writeln!(std::io::stdout(), "{}", outcome.summary.trim_end());
     }
 }
@@ -69,7 +78,7 @@ fn write_report(path: &Path, report: &Report) -> Result<(), Error> {
     let failed = |source: std::io::Error| Error::write(path, source);
     let mut text = serde_json::to_string_pretty(report).map_err(|error| failed(error.into()))?;
     text.push('\n');
-    if is_stdout(path) {
+    if files::is_stream(path) {
         return std::io::stdout().write_all(text.as_bytes()).map_err(failed);
     }
     let mut file = AtomicFile::create(path)?;

@@ -1,18 +1,22 @@
-//! What a projection says to a person.
+//! What a projection or an inspection says to a person.
 
-use crate::report::{Report, Results};
+use crate::report::{ProjectionResults, Report, Results};
+use industrial_geometry::inspection::{Inspection, Tolerance};
 use std::fmt::Write;
 
-/// A few lines about a projection; empty for other commands.
+/// A few lines about a projection or an inspection; empty for other commands.
 pub(crate) fn of(report: &Report) -> String {
     let mut text = String::new();
     // Writing to memory cannot fail.
-    let _ = write_projection(&mut text, report);
+    let _ = match &report.results {
+        Some(Results::Projection(results)) => write_projection(&mut text, report, results),
+        Some(Results::Inspection(found)) => write_inspection(&mut text, report, found),
+        _ => Ok(()),
+    };
     text
 }
 
-fn write_projection(text: &mut String, report: &Report) -> std::fmt::Result {
-    let Some(Results::Projection(results)) = &report.results else { return Ok(()) };
+fn write_projection(text: &mut String, report: &Report, results: &ProjectionResults) -> std::fmt::Result {
     if let Some(model) = &report.model {
         let pieces = if model.kind == "mesh" { "triangles" } else { "Bézier pieces" };
         let shapes = if model.shapes == 1 { "shape" } else { "shapes" };
@@ -39,6 +43,44 @@ fn write_projection(text: &mut String, report: &Report) -> std::fmt::Result {
     if let Some(gap) = results.largest_gap {
         writeln!(text, "  certified no point of the model is nearer by more than {gap:.1e}")?;
     }
+    write_end(text, report)
+}
+
+fn write_inspection(text: &mut String, report: &Report, found: &Inspection) -> std::fmt::Result {
+    let verdict = &found.verdict;
+    let Tolerance { lower, upper } = found.options.tolerance;
+    writeln!(
+        text,
+        "{}: {} of {} points within {lower} to {upper} ({:.4} %, at least {:.4} % asked for)",
+        if verdict.pass { "PASS" } else { "FAIL" },
+        verdict.within,
+        verdict.judged,
+        100.0 * verdict.share,
+        100.0 * verdict.min_share
+    )?;
+    let total = &found.total;
+    writeln!(
+        text,
+        "  points    {} measured: {} within, {} over, {} under",
+        total.count, total.within, total.over, total.under
+    )?;
+    let unused = found.outcomes.iter().filter(|(name, count)| **name != "measured" && **count > 0);
+    let unused: Vec<String> = unused.map(|(name, count)| format!("{count} {name}")).collect();
+    if !unused.is_empty() {
+        writeln!(text, "  not used  {}", unused.join(", "))?;
+    }
+    if let Some(distance) = &total.distance {
+        let [min, max, mean] = [distance.min, distance.max, distance.mean].map(plain);
+        let [rms, sigma] = [distance.rms, distance.standard_deviation].map(plain);
+        writeln!(text, "  deviation min {min}  max {max}  mean {mean}  rms {rms}  sigma {sigma}")?;
+    }
+    if let Some(worst) = found.worst.first() {
+        writeln!(text, "  worst     {} at point {} (from 0)", plain(worst.distance), worst.index)?;
+    }
+    write_end(text, report)
+}
+
+fn write_end(text: &mut String, report: &Report) -> std::fmt::Result {
     let timings = &report.timings;
     writeln!(
         text,

@@ -48,6 +48,18 @@ fn outputs_that_cannot_be_written() {
     assert!(message.contains("this would overwrite an input; choose another name"), "{message}");
     assert_eq!(bench.text("scan.csv"), "x,y,z\n0,0,1\n");
 
+    // The report is an output too.
+    for (report, part) in
+        [("scan.csv", "an input"), ("model.json", "an input"), ("./out.csv", "the output as well")]
+    {
+        let message = failure(&bench, &format!("project model.json scan.csv -o out.csv --json {report}"));
+        assert!(message.contains(part), "{message}");
+    }
+    assert!(failure(&bench, "info scan.csv --json scan.csv").contains("this would overwrite an input"));
+    assert_eq!(bench.text("scan.csv"), "x,y,z\n0,0,1\n");
+    let message = failure(&bench, "project - - -o out.csv");
+    assert!(message.contains("standard input (`-`) is named twice"), "{message}");
+
     std::fs::create_dir(bench.path("out.csv")).unwrap_or_default();
     let message = failure(&bench, "project model.json points.xyz -o out.csv");
     assert!(message.contains("this is a folder"), "{message}");

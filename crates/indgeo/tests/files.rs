@@ -77,3 +77,43 @@ fn info_describes_every_kind_of_file() {
     let scan = fixture("scans/stud-bolt.ply");
     assert!(bench.run(&format!("info {scan}")).stdout.contains("triangles             16957"));
 }
+
+#[test]
+fn standard_input_is_a_file_called_dash() {
+    let bench = Bench::new();
+    bench.put("model.json", SQUARE);
+    let run = bench.run_with("info - --json -", b"1 2 3\n4 5 6\n");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert_eq!(run.report()["results"][0]["points"], 2);
+    for arguments in ["project model.json - -o feet.csv", "convert - scan.ply"] {
+        assert_eq!(bench.run_with(arguments, b"1 1 3\n").code, 0, "{arguments}");
+    }
+    assert!(bench.text("feet.csv").contains("\n1,1,3,1,1,0,3,"), "{}", bench.text("feet.csv"));
+    assert_eq!(bench.run_with("project - scan.ply -o again.csv", SQUARE.as_bytes()).code, 0);
+    assert_eq!(bench.text("again.csv"), bench.text("feet.csv"));
+    let run = bench.run_with("project model.json - -o feet.csv", b"1 1 3\n1 one 3\n");
+    assert!(run.code == 2 && run.stderr.starts_with("error: standard input:2: "), "{}", run.stderr);
+}
+
+#[test]
+fn results_can_be_read_again() {
+    let bench = Bench::new();
+    bench.put("model.json", SQUARE);
+    bench.put("scan.xyz", "1 1 3\n0.1 0.2 -0.3\n9 9 9\n");
+    for (from, to) in [("scan.xyz", "a.csv"), ("a.csv", "b.ply"), ("b.ply", "c.csv")] {
+        let run = bench.run(&format!("project model.json {from} -o {to}"));
+        assert_eq!(run.code, 0, "{from}: {}", run.stderr);
+    }
+    assert_eq!(bench.text("a.csv"), bench.text("c.csv"));
+    // The last cell of a point without answer is empty.
+    bench.put("curve.json", SEGMENT);
+    bench.put("profile.csv", "1,2\nnan,3\n");
+    for (from, to) in [("profile.csv", "d.csv"), ("d.csv", "e.csv")] {
+        assert_eq!(bench.run(&format!("project curve.json {from} -o {to}")).code, 0, "{from}");
+    }
+    assert_eq!(bench.text("d.csv"), "x,y,foot_x,foot_y,distance,t\n1,2,1,0,2,0.25\nnan,3,,,,\n");
+    assert_eq!(bench.text("d.csv"), bench.text("e.csv"));
+    let run = bench.run("info a.csv");
+    assert!(run.stderr.contains("not read: the column \"status\", which holds text"), "{}", run.stderr);
+    assert!(run.stdout.contains("foot_x, foot_y, foot_z, distance, shape, u, v\n"), "{}", run.stdout);
+}

@@ -1,4 +1,4 @@
-//! A bounding volume hierarchy over boxes, as a flat array.
+//! A bounding volume hierarchy over boxes, as a flat array ([Er05, ch. 6]).
 
 use nalgebra::Point;
 
@@ -46,6 +46,28 @@ impl<const D: usize> Aabb<D> {
         let face =
             |across: usize| (0..D).filter(|&axis| axis != across).map(|axis| extent[axis]).product::<f64>();
         (0..D).map(face).sum()
+    }
+
+    /// The smallest `|t|` for which `origin + t · direction` lies in the box, `None` where the line misses it.
+    ///
+    /// Errs on the side of a hit, by a few units in the last place.
+    fn nearest_on_line(&self, origin: &Point<f64, D>, direction: &[f64; D]) -> Option<f64> {
+        const SLACK: f64 = 4.0 * f64::EPSILON;
+        let (mut start, mut end) = (f64::NEG_INFINITY, f64::INFINITY);
+        for axis in 0..D {
+            let (low, high) = (self.min[axis] - origin[axis], self.max[axis] - origin[axis]);
+            if direction[axis] == 0.0 {
+                if low > 0.0 || high < 0.0 {
+                    return None;
+                }
+                continue;
+            }
+            let (a, b) = (low / direction[axis], high / direction[axis]);
+            let (first, last) = (a.min(b), a.max(b));
+            start = start.max(first - first.abs() * SLACK);
+            end = end.min(last + last.abs() * SLACK);
+        }
+        (start <= end).then(|| start.max(-end).max(0.0))
     }
 
     /// Squared distance from a point, 0 inside.
@@ -129,6 +151,40 @@ impl<const D: usize> Bvh<D> {
             for place in node.first..node.first + node.count {
                 limit = visit(place);
             }
+        }
+    }
+}
+
+impl<const D: usize> Bvh<D> {
+    /// Visits the places of items whose boxes meet the line through `origin` along `direction`, as long as they can do
+    /// so at `|t|` up to what `visit` returned last (it starts at infinity); nearer boxes tend to come first.
+    pub(crate) fn along_line(
+        &self,
+        origin: &Point<f64, D>,
+        direction: &[f64; D],
+        mut visit: impl FnMut(usize) -> f64,
+    ) {
+        let mut limit = f64::INFINITY;
+        let mut stack = Vec::with_capacity(MAX_DEPTH + 1);
+        stack.extend(self.nodes[0].bounds.nearest_on_line(origin, direction).map(|near| (0usize, near)));
+        while let Some((index, near)) = stack.pop() {
+            if near > limit {
+                continue;
+            }
+            let node = &self.nodes[index];
+            if node.count > 0 {
+                for place in node.first..node.first + node.count {
+                    limit = visit(place);
+                }
+                continue;
+            }
+            let mut children = [node.first, node.first + 1]
+                .map(|child| (child, self.nodes[child].bounds.nearest_on_line(origin, direction)));
+            if children[0].1 < children[1].1 {
+                children.swap(0, 1);
+            }
+            // The nearer one, last on the stack, is taken first.
+            stack.extend(children.iter().filter_map(|&(child, near)| Some((child, near?))));
         }
     }
 }

@@ -40,10 +40,10 @@ pub struct MeshFootpoint {
 /// but mesh and point, so that queries may be spread over threads at will.
 #[derive(Debug, Clone)]
 pub struct MeshProjector {
-    bvh: Bvh,
+    pub(crate) bvh: Bvh,
     /// Triangles in the order of the hierarchy, and the same for their indices in the mesh, vertices and neighbours.
-    triangles: Vec<Triangle>,
-    indices: Vec<u32>,
+    pub(crate) triangles: Vec<Triangle>,
+    pub(crate) indices: Vec<u32>,
     corners: Vec<[u32; 3]>,
     neighbours: Vec<[u32; 3]>,
     normals: PseudoNormals,
@@ -140,7 +140,7 @@ impl MeshProjector {
     /// The closest points to many points, in their order, on all threads. See [`MeshProjector::project`].
     #[must_use]
     pub fn project_many(&self, points: &[Point3<f64>]) -> Vec<Result<MeshFootpoint, Error>> {
-        parallel::map(points.len(), |i| self.project(&points[i]))
+        parallel::map(points, |i| self.project(&points[i]))
     }
 
     fn nearest(&self, x: &Point3<f64>) -> Option<(usize, TriangleFoot)> {

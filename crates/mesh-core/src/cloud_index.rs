@@ -138,7 +138,7 @@ impl<const D: usize> CloudIndex<D> {
     /// [`CloudIndex::nearest`] for many points, in their order, on all threads.
     #[must_use]
     pub fn nearest_many(&self, points: &[Point<f64, D>]) -> Vec<Option<Neighbour>> {
-        parallel::map(points.len(), |i| self.nearest(&points[i]))
+        parallel::map(points, |i| self.nearest(&points[i]))
     }
 
     /// `f(i, neighbours)` of the `count` nearest neighbours of every point `i`, in order, on all threads.
@@ -151,7 +151,7 @@ impl<const D: usize> CloudIndex<D> {
         f: impl Fn(usize, &[Neighbour]) -> T + Sync,
     ) -> Vec<T> {
         parallel::map_with(
-            points.len(),
+            points,
             || (Vec::new(), Vec::new()),
             |(positions, found), i| {
                 self.nearest_n_into(&points[i], count, positions, found);
@@ -169,7 +169,7 @@ impl<const D: usize> CloudIndex<D> {
         radius: f64,
         f: impl Fn(usize, &[Neighbour]) -> T + Sync,
     ) -> Vec<T> {
-        parallel::map(points.len(), |i| f(i, &self.within(&points[i], radius)))
+        parallel::map(points, |i| f(i, &self.within(&points[i], radius)))
     }
 
     /// [`CloudIndex::nearest_n`] into memory that is used again.

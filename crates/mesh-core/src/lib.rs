@@ -1,8 +1,15 @@
-//! Discrete shapes: point clouds and triangle meshes, and the closest points on them.
+//! Discrete shapes: point clouds, polylines and triangle meshes, and what is asked of them.
 //!
 //! A [`PointCloud`] holds positions and, per point, optional normals, colours and named scalars ([`Attributes`]);
 //! a [`TriangleMesh`] holds vertices with the same attributes and triangles that index them.
-//! [`MeshProjector`] answers closest point queries on a mesh, with a sign where the mesh encloses a solid.
+//!
+//! - Closest points: [`MeshProjector`] on a mesh, with a sign where the mesh encloses a solid, [`Polyline`], and
+//!   [`CloudIndex`] for nearest neighbours in a cloud.
+//! - Normals and curvatures: [`estimate_normals`] and [`estimate_curvature`] of clouds, [`TriangleMesh::vertex_normals`]
+//!   and [`MeshCurvature`] of meshes.
+//! - Connectivity: [`HalfEdgeMesh`] with what is wrong with it, [`LoopScheme`] for subdivision surfaces.
+//! - Sampling: [`sample_uniform`], [`sample_poisson_disk`], [`voxel_downsample`], [`farthest_points`], and outliers by
+//!   [`statistical_outliers`] and [`radius_outliers`].
 //!
 //! ```
 //! use mesh_core::{MeshProjector, TriangleMesh, nalgebra::Point3};
@@ -27,6 +34,7 @@ mod curvature;
 mod error;
 mod half_edge;
 mod kd_tree;
+mod line_hit;
 mod loop_subdivision;
 mod mesh;
 mod normals;
@@ -35,6 +43,7 @@ mod polyline;
 mod pseudo_normal;
 mod random;
 mod sampling;
+mod spatial_order;
 mod topology;
 mod triangle;
 mod weld;
@@ -47,6 +56,7 @@ pub use cloud_index::{CloudIndex, Neighbour};
 pub use curvature::{CloudCurvature, CurvatureFrame, CurvatureOptions, MeshCurvature, estimate_curvature};
 pub use error::Error;
 pub use half_edge::{Defects, HalfEdge, HalfEdgeMesh};
+pub use line_hit::LineHit;
 pub use loop_subdivision::{LimitPoint, LoopScheme, Mask};
 pub use mesh::TriangleMesh;
 pub use nalgebra;

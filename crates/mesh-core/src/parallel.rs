@@ -1,17 +1,42 @@
 //! Work spread over threads, with results that do not depend on their number (the only file that knows `rayon`).
 
+use nalgebra::Point;
 use rayon::prelude::*;
+
+use crate::spatial_order::spatial_order;
 
 /// Items per task: enough to hide the cost of a task, few enough to keep all threads busy to the end.
 const CHUNK: usize = 256;
 
-/// `f(0), f(1), …` in order.
-pub(crate) fn map<T: Send>(count: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
-    map_with(count, || (), |(), index| f(index))
+/// `f(0), f(1), …` of queries at points, in the order of the points.
+pub(crate) fn map<const D: usize, T: Send>(
+    points: &[Point<f64, D>],
+    f: impl Fn(usize) -> T + Sync,
+) -> Vec<T> {
+    map_with(points, || (), |(), index| f(index))
 }
 
-/// `f(scratch, 0), f(scratch, 1), …` in order; the scratch memory must not carry anything from item to item.
-pub(crate) fn map_with<S, T: Send>(
+/// `f(scratch, 0), f(scratch, 1), …` of queries at points, in the order of the points.
+///
+/// They are answered in an order in which neighbours follow each other. The scratch memory must not carry anything
+/// from query to query.
+pub(crate) fn map_with<const D: usize, S, T: Send>(
+    points: &[Point<f64, D>],
+    scratch: impl Fn() -> S + Sync,
+    f: impl Fn(&mut S, usize) -> T + Sync,
+) -> Vec<T> {
+    let Some(order) = spatial_order(points) else { return in_chunks(points.len(), scratch, f) };
+    let answers = in_chunks(order.len(), scratch, |scratch, place| f(scratch, order[place] as usize));
+    let mut sorted: Vec<Option<T>> = answers.iter().map(|_| None).collect();
+    for (answer, index) in answers.into_iter().zip(order) {
+        sorted[index as usize] = Some(answer);
+    }
+    // The order has every index once.
+    sorted.into_iter().flatten().collect()
+}
+
+/// `f(scratch, 0), f(scratch, 1), …` in order.
+fn in_chunks<S, T: Send>(
     count: usize,
     scratch: impl Fn() -> S + Sync,
     f: impl Fn(&mut S, usize) -> T + Sync,
@@ -22,7 +47,7 @@ pub(crate) fn map_with<S, T: Send>(
         let range = chunk * CHUNK..((chunk + 1) * CHUNK).min(count);
         range.map(|index| f(&mut scratch, index)).collect::<Vec<T>>()
     };
-    // One chunk, and what is called from many threads already, stays on its thread.
+    // A single chunk needs no other thread.
     if chunks <= 1 {
         return (0..chunks).flat_map(task).collect();
     }
@@ -39,7 +64,8 @@ mod tests {
     #[test]
     fn keeps_the_order() {
         for count in [0, 1, CHUNK, CHUNK + 1, 10 * CHUNK - 1] {
-            assert_eq!(map(count, |index| 3 * index), (0..count).map(|index| 3 * index).collect::<Vec<_>>());
+            let points: Vec<_> = (0..count).map(|i| Point::from([(i as f64 * 0.618).fract(), 0.0])).collect();
+            assert!(map(&points, |index| 3 * index).into_iter().eq((0..count).map(|index| 3 * index)));
         }
     }
 }

@@ -174,7 +174,7 @@ impl<const D: usize> Polyline<D> {
     /// The closest points to many points, in their order, on all threads. See [`Polyline::closest`].
     #[must_use]
     pub fn closest_many(&self, points: &[Point<f64, D>]) -> Vec<Result<PolylineFootpoint<D>, Error>> {
-        parallel::map(points.len(), |i| self.closest(&points[i]))
+        parallel::map(points, |i| self.closest(&points[i]))
     }
 
     fn ends(&self, segment: usize) -> [Point<f64, D>; 2] {

@@ -2,7 +2,7 @@
 //!
 //! The sign of the distance is the sign of ⟨x − foot, N⟩, where N belongs to the part of the mesh on which the foot
 //! lies: the normal of a face, the sum of the two unit normals at an edge, the sum of the unit normals weighted by
-//! the angles at a vertex. With other weights the sign is wrong in places ([BA05]).
+//! the angles at a vertex. With other weights the sign is wrong in places (\[BA05\]).
 
 use nalgebra::Vector3;
 

@@ -1,6 +1,6 @@
 //! Random numbers that are the same everywhere.
 
-/// The generator SplitMix64 ([SLF14, fig. 17]): any seed is good, streams of different seeds are independent enough.
+/// The generator `SplitMix64` ([SLF14, fig. 17]): any seed is good, streams of different seeds are independent enough.
 #[derive(Debug, Clone)]
 pub(crate) struct SplitMix64(u64);
 

@@ -132,3 +132,14 @@ fn degenerate_neighbourhoods_have_none() {
     let few = NormalOptions::default().with_neighbours(2);
     assert_eq!(estimate_normals(&[], &few), Err(Error::TooFew { what: "neighbours", count: 2, least: 3 }));
 }
+
+#[test]
+fn the_number_of_threads_does_not_matter() {
+    let (mesh, _) = torus(0.5, 90, 40, 0.9);
+    let run = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| estimate_normals(mesh.vertices(), &NormalOptions::default()).unwrap())
+    };
+    let one = run(1);
+    assert!([2, 3, 7].into_iter().all(|threads| run(threads) == one));
+}

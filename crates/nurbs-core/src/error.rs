@@ -27,7 +27,7 @@ pub enum Error {
         found: usize,
         /// Degree of the basis.
         degree: usize,
-        /// Least number of knots, `2 (degree + 1)`.
+        /// Least number of knots: `2 (degree + 1)`, or `3 degree + 1` of a periodic vector.
         needed: usize,
     },
     /// A knot is NaN or infinite.

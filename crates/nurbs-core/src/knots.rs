@@ -14,7 +14,8 @@ const PERIOD_TOLERANCE: f64 = 1e-9;
 /// It carries `n = len − p − 1` basis functions on the domain `[t_p, t_n]`. The ends may be clamped
 /// (multiplicity `p + 1`), floating, or periodic: then `t_{i+n−p} = t_i + T` with the period
 /// `T = t_n − t_p`, and the last `p` control points of a shape repeat the first ones.
-/// Inner knots have multiplicity at most `p`, so that every shape is continuous.
+/// Inner knots, and all knots of a periodic vector, have multiplicity at most `p`, so that every shape is
+/// continuous.
 ///
 /// A vector is never repaired: what does not fit is an error.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,7 +41,9 @@ impl KnotVector {
     /// A periodic knot vector: all `n + p + 1` knots, those outside the domain included.
     ///
     /// # Errors
-    /// As [`new`](Self::new), and [`Error::NotPeriodic`] where the knots do not repeat.
+    /// As [`new`](Self::new), and [`Error::NotPeriodic`] where the knots do not repeat. The seam is an inner
+    /// knot of the periodic shape: a multiplicity of `p + 1`, which would tear the shape open there, is
+    /// [`Error::KnotMultiplicity`].
     pub fn periodic(degree: usize, knots: Vec<f64>) -> Result<Self, Error> {
         validate(degree, &knots)?;
         let n = knots.len() - degree - 1;
@@ -56,6 +59,7 @@ impl KnotVector {
                 return Err(Error::NotPeriodic { index: i + n - degree, value, expected, period });
             }
         }
+        check_multiplicities(&knots, |_| degree)?;
         Ok(Self::assemble(degree, knots, true))
     }
 
@@ -328,16 +332,19 @@ fn validate(degree: usize, knots: &[f64]) -> Result<(), Error> {
     if knots[degree] == knots[n] {
         return Err(Error::EmptyDomain { degree, last: n, value: knots[n] });
     }
-    let mut first = 0;
-    while first < knots.len() {
-        let value = knots[first];
-        let multiplicity = knots[first..].iter().take_while(|&&k| k == value).count();
-        let at_an_end = value <= knots[degree] || value >= knots[n];
-        let max = if at_an_end { degree + 1 } else { degree };
+    let at_an_end = |value: f64| value <= knots[degree] || value >= knots[n];
+    check_multiplicities(knots, |value| if at_an_end(value) { degree + 1 } else { degree })
+}
+
+/// Checks that no knot occurs more often than `max` says of its value.
+fn check_multiplicities(knots: &[f64], max: impl Fn(f64) -> usize) -> Result<(), Error> {
+    let mut index = 0;
+    for run in knots.chunk_by(|a, b| a == b) {
+        let (value, multiplicity, max) = (run[0], run.len(), max(run[0]));
         if multiplicity > max {
-            return Err(Error::KnotMultiplicity { index: first, value, multiplicity, max });
+            return Err(Error::KnotMultiplicity { index, value, multiplicity, max });
         }
-        first += multiplicity;
+        index += multiplicity;
     }
     Ok(())
 }
@@ -382,6 +389,26 @@ mod tests {
         let mut bad = k.as_slice().to_vec();
         bad[0] -= 0.01;
         assert!(matches!(KnotVector::periodic(3, bad), Err(Error::NotPeriodic { .. })));
+    }
+
+    #[test]
+    fn the_seam_of_a_periodic_vector_is_an_inner_knot() {
+        // Multiplicity 2 = p at the seam: a corner, which is continuous.
+        let corner = KnotVector::periodic(2, vec![-1., 0., 0., 1., 2., 3., 3., 4., 5.]).unwrap();
+        assert_eq!((corner.distinct_count(), corner.domain()), (4, Interval::new(0.0, 3.0).unwrap()));
+        // Multiplicity 3 at 0 and 3, wherever the domain begins among the copies.
+        for knots in [
+            vec![-1., 0., 0., 0., 1., 2., 3., 3., 3., 4.],
+            vec![0., 0., 0., 1., 2., 3., 3., 3., 4., 5.],
+            vec![-2., -1., 0., 0., 0., 1., 2., 3., 3., 3.],
+        ] {
+            let error = KnotVector::periodic(2, knots.clone()).unwrap_err();
+            let index = knots.iter().position(|&t| t == 0.0).unwrap();
+            assert_eq!(error, Error::KnotMultiplicity { index, value: 0.0, multiplicity: 3, max: 2 });
+        }
+        // A clamped vector is not periodic, and is told so.
+        let clamped = vec![0., 0., 0., 1., 2., 3., 3., 3.];
+        assert!(matches!(KnotVector::periodic(2, clamped), Err(Error::NotPeriodic { index: 3, .. })));
     }
 
     #[test]

@@ -24,7 +24,7 @@ fn surface(p: usize, q: usize, rational: bool) -> BsplineSurface {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(ProptestConfig { cases: 64, rng_seed: prop::test_runner::RngSeed::Fixed(4), failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn surface_batches_are_the_single_evaluations(

@@ -68,6 +68,11 @@ fn plain_name(name: &str) -> String {
     name.trim().to_ascii_lowercase()
 }
 
+/// Whether a name is that of a coordinate.
+pub(crate) fn is_position(name: &str) -> bool {
+    POSITION.iter().any(|names| names.contains(&plain_name(name).as_str()))
+}
+
 /// The names of coordinates that occur among `names`.
 pub(crate) fn names_a_position<'a>(names: impl Iterator<Item = &'a str> + Clone) -> bool {
     let has = |axis: usize| names.clone().any(|name| POSITION[axis].contains(&plain_name(name).as_str()));

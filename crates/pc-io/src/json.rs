@@ -35,7 +35,7 @@ pub(crate) fn read(source: Source<'_>) -> Result<Model, Error> {
         Error::malformed(Place::Byte(error.valid_up_to()), "the text is not UTF-8, as JSON has to be", EXPORT)
     })?;
     let part = Part { source, text, offset: 0, shape: None };
-    let head: Head<'_> = part.parse()?;
+    let head = part.parse_head()?;
     let mut model = Model::default();
     if head.kind != "model" {
         part.read_shape(head, &mut model)?;
@@ -46,7 +46,7 @@ pub(crate) fn read(source: Source<'_>) -> Result<Model, Error> {
         // A raw value is a part of the text, not a copy.
         let offset = raw.get().as_ptr() as usize - text.as_ptr() as usize;
         let part = Part { source, text: raw.get(), offset, shape: Some(index) };
-        part.read_shape(part.parse()?, &mut model)?;
+        part.read_shape(part.parse_head()?, &mut model)?;
     }
     Ok(model)
 }
@@ -82,7 +82,10 @@ impl<'a> Part<'a> {
         Ok(())
     }
 
-    fn parse<T: Deserialize<'a>>(&self) -> Result<T, Error> {
+    fn parse_head(&self) -> Result<Head<'a>, Error> {
+        if !self.text.trim_start().starts_with('{') {
+            return Err(self.error(0, "an object with the field \"kind\" is expected: {\"kind\": …}"));
+        }
         serde_json::from_str(self.text).map_err(|error| self.explain(&error))
     }
 
@@ -94,6 +97,7 @@ impl<'a> Part<'a> {
     fn explain(&self, error: &serde_json::Error) -> Error {
         let message = error.to_string();
         let message = message.rsplit_once(" at line ").map_or(message.as_str(), |(message, _)| message);
+        let message = in_terms_of_json(message);
         let lines = self.text.split_inclusive('\n').take(error.line().saturating_sub(1));
         let at = (lines.map(str::len).sum::<usize>() + error.column()).min(self.text.len());
         let before = self.text.get(..at).unwrap_or(self.text);
@@ -101,7 +105,7 @@ impl<'a> Part<'a> {
         let whole = error.line() == 0 || error.is_data() && self.text[before.len()..].trim_start().is_empty();
         match last_key(before).filter(|_| !whole) {
             Some(key) => self.error(at, &format!("{key}: {message} (column {})", error.column())),
-            None if whole => self.error(0, message),
+            None if whole => self.error(0, &message),
             None => self.error(at, &format!("{message} (column {})", error.column())),
         }
     }
@@ -113,6 +117,17 @@ impl<'a> Part<'a> {
         };
         self.source.line_error(self.offset + at, what, EXPORT)
     }
+}
+
+/// A message of the JSON reader without the names of types in its program.
+fn in_terms_of_json(message: &str) -> String {
+    const WORDS: [(&str, &str); 4] = [
+        ("expected usize", "expected an integer that is not negative"),
+        ("expected f64", "expected a number"),
+        ("expected a sequence", "expected a list"),
+        ("expected an array of length", "expected a list of length"),
+    ];
+    WORDS.iter().fold(message.to_owned(), |message, (from, to)| message.replace(from, to))
 }
 
 /// Number of coordinates of the first control point.

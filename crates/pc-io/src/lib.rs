@@ -60,6 +60,6 @@ pub use mesh_core;
 pub use model::{Model, Shape};
 pub use nurbs_core;
 pub(crate) use read::not_points;
-pub use read::{read, read_bytes, read_cloud, read_mesh, read_model};
+pub use read::{read, read_bytes, read_cloud, read_from, read_mesh, read_model};
 pub use report::{ReadOptions, ReadReport, WriteOptions, WriteReport};
 pub use write::{write, write_cloud, write_mesh, write_model};

@@ -46,13 +46,46 @@ pub fn read_model(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Loade
     read_as(path.as_ref(), options, Content::into_model)
 }
 
+/// Reads a stream to its end, such as standard input; `name` stands for it in messages and in the report, and
+/// its extension counts as that of a file.
+///
+/// ```
+/// use pc_io::{ReadOptions, read_from};
+///
+/// let scan = read_from("1 2 3\n4 5 6\n".as_bytes(), "standard input", &ReadOptions::default())?;
+/// assert_eq!(scan.report.points, 2);
+/// let error = read_from("1 2 3\n4 5\n".as_bytes(), "standard input", &ReadOptions::default()).unwrap_err();
+/// assert!(error.to_string().starts_with("standard input:2: "));
+/// # Ok::<(), pc_io::Error>(())
+/// ```
+///
+/// # Errors
+/// As [`read`].
+pub fn read_from(
+    mut stream: impl Read,
+    name: impl AsRef<Path>,
+    options: &ReadOptions,
+) -> Result<Loaded<Content>, Error> {
+    let mut data = Vec::new();
+    let ended = stream.read_to_end(&mut data).map(|_| data);
+    read_named(ended, name.as_ref(), options, Ok)
+}
+
 fn read_as<T>(
     path: &Path,
     options: &ReadOptions,
     take: fn(Content) -> Result<T, Error>,
 ) -> Result<Loaded<T>, Error> {
-    let data =
-        read_file(path).map_err(|source| Error::Io { path: path.to_path_buf(), action: "read", source })?;
+    read_named(read_file(path), path, options, take)
+}
+
+fn read_named<T>(
+    data: std::io::Result<Vec<u8>>,
+    path: &Path,
+    options: &ReadOptions,
+    take: fn(Content) -> Result<T, Error>,
+) -> Result<Loaded<T>, Error> {
+    let data = data.map_err(|source| Error::Io { path: path.to_path_buf(), action: "read", source })?;
     let Loaded { content, mut report } =
         read_bytes(&data, Format::from_path(path), options).map_err(|error| error.in_file(path))?;
     report.path = Some(path.to_path_buf());

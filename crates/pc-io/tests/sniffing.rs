@@ -67,6 +67,24 @@ fn headers_name_columns() {
 }
 
 #[test]
+fn columns_of_text_are_passed_over_and_told() {
+    let loaded = load("x,y,z,status,u\n1,2,3,converged,0.5\n4,5,6,on_boundary,\n7,8,9,7,0.25\n");
+    assert_eq!(loaded.content.len(), 3);
+    assert_eq!(loaded.content.attributes().scalars().len(), 1);
+    assert_eq!(loaded.content.attributes().scalar("u").map(|u| (u[0], u[2])), Some((0.5, 0.25)));
+    let warnings = &loaded.report.warnings;
+    assert_eq!(warnings[0], "1 empty fields were read as NaN");
+    assert_eq!(warnings[1], "not read: the column \"status\", which holds text");
+    // Without names a separator at the end closes the last field.
+    assert_eq!(load("1,2,3,\n4,5,6,\n").content.attributes().scalars().len(), 0);
+    assert!(message("x,y,z,n,m\n1,2,3,4,5\n1,2,3,\n").starts_with("line 3: "));
+    assert_eq!(load("x y label\n1 2 hole-7\n3 4 hole-8\n").content.dimension(), 2);
+    // A coordinate is never text, and a column of numbers does not become one.
+    assert!(message("x,y,z,n\n1,2,three,4\n").contains("\"three\" is not a number"));
+    assert!(message("x,y,z,n\n1,2,3,4\n1,2,3,four\n").starts_with("line 3: \"four\" is not a number"));
+}
+
+#[test]
 fn errors_say_where_what_and_what_to_do() {
     for (text, parts) in [
         ("1 2 3\n4 5 six\n", ["line 2:", "\"six\" is not a number", "correct"]),
@@ -89,6 +107,14 @@ fn errors_say_where_what_and_what_to_do() {
         (
             "{\"kind\":\"curve\",\"degree\":1,\"knots\":[0,0,1,0],\"control_points\":[[0,0],[1,1]]}",
             ["line 1:", "knot 3", "correct"],
+        ),
+        (
+            "{\"kind\":\"curve\",\"degree\":-1,\"knots\":[0,0,1,1],\"control_points\":[[0,0],[1,1]]}",
+            ["line 1: degree: ", "expected an integer that is not negative", "correct"],
+        ),
+        (
+            "{\"kind\":\"model\",\n\"shapes\":[\n[1,2]]}",
+            ["line 3: shape 0: ", "an object with the field \"kind\" is expected", "correct"],
         ),
         ("{\"kind\":\"sphere\"}", ["line 1:", "\"sphere\"", "surface"]),
         ("{\"shapes\":[]}", ["line 1:", "kind", "correct"]),

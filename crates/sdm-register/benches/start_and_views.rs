@@ -2,10 +2,10 @@
 
 #![allow(missing_docs, reason = "criterion's macros make public items")]
 
-#[path = "../tests/common/mod.rs"]
-mod common;
+#[path = "../tests/bodies/mod.rs"]
+mod bodies;
 
-use common::{Bumpy, Random, SixViews};
+use bodies::{Bumpy, Random, SixViews};
 use criterion::{Criterion, criterion_group, criterion_main};
 use footpoint::no_progress;
 use nalgebra::Vector3;

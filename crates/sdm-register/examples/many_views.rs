@@ -1,21 +1,22 @@
 //! Measures the registration of six views of one body.
 //!
 //! ```sh
-//! RAYON_NUM_THREADS=1 cargo run --release -p sdm-register --example many_views
+//! RAYON_NUM_THREADS=1 cargo run --release -p sdm-register --example many_views -- [--given]
 //! ```
-//! The body is a smooth closed surface given by a formula; the views have no point in common, and overlap by some 40 % with each neighbour, and are displaced by 5 to 10
+//! With `--given` only the runs from given initial poses. The body is a smooth closed surface given by a formula; the views have no point in common, and overlap by some 40 % with each neighbour, and are displaced by 5 to 10
 //! degrees and 2 % of the diameter. Errors are root mean square distances from the true place over all points, in diameters.
 
-#[path = "../tests/common/mod.rs"]
-mod common;
+#[path = "../tests/bodies/mod.rs"]
+mod bodies;
 
-use common::SixViews;
+use bodies::SixViews;
 use footpoint::no_progress;
 use sdm_register::Pose;
 use sdm_register::views::{View, ViewsOptions, register_views, register_views_from};
 use std::time::Instant;
 
 fn main() -> Result<(), sdm_register::Error> {
+    let with_search = !std::env::args().any(|argument| argument == "--given");
     println!(
         "{:>7} {:>8} {:>8} {:>8} {:>10} {:>10} {:>6} {:>8}  status",
         "points", "noise", "degrees", "start", "before", "after", "steps", "seconds"
@@ -36,7 +37,7 @@ fn main() -> Result<(), sdm_register::Error> {
                 views.push(if normals { View::with_normals(points, given)? } else { View::new(points) });
             }
             let options = ViewsOptions::default().with_oriented(normals);
-            for start in [true, false] {
+            for start in [true, false].into_iter().filter(|&start| start || with_search) {
                 let clock = Instant::now();
                 let report = if start {
                     register_views(&views, &six.initial, &options, &no_progress)?

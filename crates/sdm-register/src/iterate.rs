@@ -1,5 +1,6 @@
 //! The loop: footpoints, quadratic models, a small linear system, a controlled step, again.
 
+use crate::anderson::Anderson;
 use crate::constraint::{Chart, Freedom};
 use crate::linearise::NormalSystem;
 use crate::report::StepRecord;
@@ -7,7 +8,7 @@ use crate::solve::{Scaled, Spectrum};
 use crate::source::Prepared;
 use crate::view::{Terms, View};
 use crate::weights::{Rejection, Rule, Weighting};
-use crate::{FootpointPolicy, Method, Pose, RegisterOptions, Status, StepControl};
+use crate::{Covariance, FootpointPolicy, FreeMotion, Method, Pose, RegisterOptions, Status, StepControl};
 use distance_field::{DistanceField, Search};
 use nalgebra::{DMatrix, DVector};
 use std::ops::ControlFlow;
@@ -100,8 +101,35 @@ impl<const D: usize> Problem<'_, D> {
         Models { system, freedom, scaled, vector, linear, newton }
     }
 
+    /// How well the pose at the end of a stage is determined, and the motions that are not.
+    pub(crate) fn analyse(
+        &self,
+        outcome: &Outcome<D>,
+        cloud: &Prepared<D>,
+        rms: f64,
+    ) -> (Option<Covariance<D>>, Vec<FreeMotion<D>>) {
+        let terms = Terms { term: Method::TANGENT.term(), taylor: false, symmetric: false };
+        let view = &outcome.view;
+        let system = view.system(cloud, &outcome.base, &outcome.weighting, &terms);
+        if system.count < fewest(D) || !view.pose.is_finite() {
+            return (None, Vec::new());
+        }
+        let freedom = self.chart.freedom(&view.pose);
+        let tangent = freedom.reduce(&system.tangent);
+        let length = cloud.diagonal * view.pose.scale * 0.5;
+        let scaled = Scaled::new(&tangent, &freedom.is_translation, length, self.options.null_tolerance);
+        let fields: Vec<_> = scaled.free_steps().iter().map(|step| freedom.velocity(step)).collect();
+        let origin = view.pose.target_origin;
+        let named = FreeMotion::name_all(&fields, &origin, length);
+        let squares = rms * rms * system.weight;
+        let scale = self.options.scale;
+        let covariance = Covariance::new(&system, &freedom, &scaled, &tangent, squares, scale, origin);
+        (Some(covariance), named)
+    }
+
     /// Runs one stage from a view of its cloud.
     pub(crate) fn run(&self, stage: &Stage<'_, D>, view: View<D>, history: &mut History) -> Outcome<D> {
+        let start = view.pose;
         let mut run = Run {
             problem: self,
             stage,
@@ -112,6 +140,10 @@ impl<const D: usize> Problem<'_, D> {
             damping: 0.0,
             last_motion: f64::INFINITY,
             evaluations: 0,
+            anderson: (stage.method == Method::AndersonPoint
+                && !self.options.locks.any()
+                && !self.options.scale)
+                .then(|| Anderson::new(start, stage.cloud.diagonal)),
         };
         let mut iterations = 0;
         let status = loop {
@@ -150,6 +182,7 @@ struct Run<'a, const D: usize> {
     damping: f64,
     last_motion: f64,
     evaluations: usize,
+    anderson: Option<Anderson<D>>,
 }
 
 /// A step that was tried.
@@ -185,8 +218,11 @@ impl<const D: usize> Run<'_, D> {
         if self.stage.method == Method::Adaptive {
             name = if newton { "newton" } else { self.stage.method.term().name() };
         }
-        let mut trial =
-            self.search(&models, if newton { models.newton.as_ref().map(|n| &n.1) } else { None });
+        let mut trial = if self.anderson.is_some() {
+            self.accelerated(&models)
+        } else {
+            self.search(&models, if newton { models.newton.as_ref().map(|n| &n.1) } else { None })
+        };
         if trial.is_none() && newton && self.stage.method == Method::Adaptive {
             self.damping = 0.0;
             name = self.stage.method.term().name();
@@ -201,7 +237,7 @@ impl<const D: usize> Run<'_, D> {
         };
         self.judge_newton(&models, &trial);
         let velocity = models.freedom.velocity(&trial.step);
-        let ratio = trial.motion / self.last_motion;
+        let ratio = if self.last_motion.is_finite() { trial.motion / self.last_motion } else { 1.0 };
         self.last_motion = trial.motion;
         self.view = trial.view;
         let (rms, points) = self.view.rms(&self.base, &self.weighting);
@@ -269,6 +305,17 @@ impl<const D: usize> Run<'_, D> {
     }
 
     fn attempt(&mut self, models: &Models<D>, step: DVector<f64>, factor: f64) -> Trial<D> {
+        let pose = self.problem.chart.advance(&self.view.pose, &models.freedom, &step);
+        self.attempt_pose(models, pose, step, factor)
+    }
+
+    fn attempt_pose(
+        &mut self,
+        models: &Models<D>,
+        pose: Pose<D>,
+        step: DVector<f64>,
+        factor: f64,
+    ) -> Trial<D> {
         let motion = self.motion(models, &step);
         let search = match self.problem.options.footpoints {
             FootpointPolicy::Full => Search::Global,
@@ -277,11 +324,25 @@ impl<const D: usize> Run<'_, D> {
             FootpointPolicy::Adaptive if motion > NEAR => Search::Global,
             FootpointPolicy::Adaptive => Search::Local,
         };
-        let pose = self.problem.chart.advance(&self.view.pose, &models.freedom, &step);
         let view = View::new(self.problem.field, self.stage.cloud, pose, search, Some(&self.view));
         self.evaluations += 1;
         let cost = view.cost(&self.base, &self.weighting);
         Trial { view, cost, step, motion, factor }
+    }
+
+    /// The accelerated step, or the plain one if that raises the cost.
+    fn accelerated(&mut self, models: &Models<D>) -> Option<Trial<D>> {
+        let step = models.scaled.step(&models.linear, 0.0);
+        let plain = self.problem.chart.advance(&self.view.pose, &models.freedom, &step);
+        let pose = self.anderson.as_mut().map_or(plain, |a| a.accelerated(&self.view.pose, &plain));
+        let trial = self.attempt_pose(models, pose, step, 1.0);
+        if trial.cost <= models.system.cost || trial.motion < ROUNDING {
+            return Some(trial);
+        }
+        if let Some(anderson) = &mut self.anderson {
+            anderson.reset();
+        }
+        Some(self.attempt_pose(models, plain, trial.step, 1.0))
     }
 
     /// The step of Newton's spectrum, or of the linear one, under control; `None` if no step lowers the cost.

@@ -5,14 +5,20 @@
 //! of that field, and again. ICP, the algorithm of Chen and Medioni, and squared distance minimisation differ in the models
 //! only ([`ErrorTerm`](distance_field::ErrorTerm)).
 
+mod anderson;
 mod constraint;
+mod covariance;
+mod datum;
+mod eigen;
 mod error;
+mod free_motion;
 mod iterate;
 mod linearise;
 mod method;
 mod motion;
 mod options;
 pub(crate) mod parallel;
+mod plan;
 mod register;
 mod report;
 mod solve;
@@ -24,7 +30,10 @@ pub mod views;
 mod weights;
 
 pub use constraint::Locks;
+pub use covariance::Covariance;
+pub use datum::{DatumReport, DatumTarget, align_datum};
 pub use error::Error;
+pub use free_motion::FreeMotion;
 pub use iterate::Progress;
 pub use method::{FootpointPolicy, Method, StepControl};
 pub use motion::{Displacement, Pose, Velocity, rotation};

@@ -1,10 +1,10 @@
-//! Registration of a cloud to a shape: the stages in their order.
+//! Registration of a cloud to a shape.
 
 use crate::constraint::Chart;
-use crate::iterate::{History, Outcome, Problem, Progress, Stage};
+use crate::iterate::{Problem, Progress};
+use crate::plan::Plan;
 use crate::source::Prepared;
-use crate::view::View;
-use crate::weights::{Outliers, Rule, Weighting};
+use crate::weights::Weighting;
 use crate::{Error, Pose, RegisterOptions, RegisterReport, Source, StepRecord};
 use distance_field::DistanceField;
 use std::ops::ControlFlow;
@@ -47,49 +47,30 @@ pub fn register_with_progress<const D: usize>(
     let start = start.with_source_origin(cloud.centre);
     let chart = Chart::new(options.locks, options.scale, start);
     let problem = Problem { field, chart: &chart, options, progress };
-    let mut history = History::new();
-    let view = problem.view(&cloud, start);
+    let mut plan = Plan::new(&problem, &cloud);
+    let view = plan.first_view(start);
     if view.frames.iter().all(|frame| !frame.is_finite()) {
         return Err(Error::EmptyModel { points: cloud.points.len() });
     }
-    let base = view.base_weights(&cloud, &options.rejection);
+    let base = view.base_weights(plan.coarse(), &options.rejection);
     let initial_rms = view.rms(&base, &Weighting::SQUARES).0;
-    let outcome = stages(&problem, &cloud, view, &mut history);
+    let outcome = plan.run(view);
     let (rms, used) = outcome.view.rms(&outcome.base, &outcome.weighting);
+    let on = if outcome.view.frames.len() == cloud.points.len() { &cloud } else { plan.coarse() };
+    let (covariance, free_motions) = problem.analyse(&outcome, on, rms);
     Ok(RegisterReport {
+        covariance,
+        free_motions,
         pose: outcome.view.pose,
         status: outcome.status,
         rms,
         initial_rms,
-        iterations: history.len(),
-        evaluations: outcome.evaluations,
+        iterations: plan.history.len(),
+        evaluations: plan.evaluations,
         points: source.points.len(),
         dropped: cloud.dropped,
         used,
         limit: outcome.weighting.scale(),
-        history,
+        history: plan.history,
     })
-}
-
-fn stages<const D: usize>(
-    problem: &Problem<'_, D>,
-    cloud: &Prepared<D>,
-    view: View<D>,
-    history: &mut History,
-) -> Outcome<D> {
-    let options = problem.options;
-    let stage = Stage {
-        name: "fit",
-        cloud,
-        method: options.method,
-        rule: Rule::Fixed(Weighting::SQUARES),
-        rejection: options.rejection,
-        tolerance: options.tolerance,
-        max_iterations: options.max_iterations,
-    };
-    let rule = match options.outliers {
-        Outliers::Trimmed { overlap } => Rule::Trimmed { overlap },
-        _ => stage.rule,
-    };
-    problem.run(&Stage { rule, ..stage }, view, history)
 }

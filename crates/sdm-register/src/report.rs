@@ -1,6 +1,6 @@
 //! What a registration found.
 
-use crate::{Pose, Status};
+use crate::{Covariance, FreeMotion, Pose, Status};
 
 /// One step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,6 +52,10 @@ pub struct RegisterReport<const D: usize> {
     pub used: usize,
     /// Largest distance that counts at the end, where outliers were told apart.
     pub limit: Option<f64>,
+    /// How well the pose is determined; `None` if too few points count.
+    pub covariance: Option<Covariance<D>>,
+    /// The motions that the shape does not fix as far as the cloud can tell; the cloud is not moved along them.
+    pub free_motions: Vec<FreeMotion<D>>,
     /// Every step.
     pub history: Vec<StepRecord>,
 }
@@ -70,7 +74,11 @@ impl<const D: usize> std::fmt::Display for RegisterReport<D> {
             f,
             "{} after {} steps, rms {:.4e}, {} of {} points",
             self.status, self.iterations, self.rms, self.used, self.points
-        )
+        )?;
+        for (i, motion) in self.free_motions.iter().enumerate() {
+            write!(f, "{} {motion}", if i == 0 { "; not fixed:" } else { "," })?;
+        }
+        Ok(())
     }
 }
 

@@ -1,6 +1,7 @@
 //! The small linear system of a step.
 
-use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use crate::eigen::Eigen;
+use nalgebra::{DMatrix, DVector};
 
 /// A symmetric system `H u = −b` in the unknowns that are left, scaled to the size of the cloud, with the motions that
 /// the shape does not fix taken out.
@@ -19,7 +20,7 @@ pub(crate) struct Scaled {
 /// A system in the directions that are fixed, by its eigenvectors.
 #[derive(Clone, Debug)]
 pub(crate) struct Spectrum {
-    eigen: SymmetricEigen<f64, nalgebra::Dyn>,
+    eigen: Eigen,
     /// `−Vᵀb` in the eigenvectors.
     right: DVector<f64>,
 }
@@ -32,16 +33,21 @@ impl Scaled {
     pub(crate) fn new(tangent: &DMatrix<f64>, is_translation: &[bool], length: f64, tolerance: f64) -> Self {
         let n = is_translation.len();
         let units = DVector::from_fn(n, |i, _| if is_translation[i] { length } else { 1.0 });
-        let eigen = SymmetricEigen::new(scale(tangent, &units));
-        let largest = eigen.eigenvalues.iter().fold(0.0f64, |m, &x| m.max(x));
-        let smallest = eigen.eigenvalues.iter().fold(f64::INFINITY, |m, &x| m.min(x));
+        let eigen = Eigen::new(scale(tangent, &units));
+        let largest = eigen.values.iter().fold(0.0f64, |m, &x| m.max(x));
+        let smallest = eigen.values.iter().fold(f64::INFINITY, |m, &x| m.min(x));
         let (mut fixed, mut free) = (Vec::new(), Vec::new());
-        for (i, &value) in eigen.eigenvalues.iter().enumerate() {
-            let column = eigen.eigenvectors.column(i).into_owned();
+        for (i, &value) in eigen.values.iter().enumerate() {
+            let column = eigen.vectors.column(i).into_owned();
             if value > tolerance * largest { fixed.push(column) } else { free.push(column) }
         }
         let matrix = |columns: &[DVector<f64>]| DMatrix::from_fn(n, columns.len(), |i, j| columns[j][i]);
         Self { units, fixed: matrix(&fixed), free: matrix(&free), extremes: [smallest.max(0.0), largest] }
+    }
+
+    /// Number of directions that are fixed.
+    pub(crate) fn rank(&self) -> usize {
+        self.fixed.ncols()
     }
 
     /// The directions that are not fixed, as steps.
@@ -53,27 +59,27 @@ impl Scaled {
     pub(crate) fn spectrum(&self, matrix: &DMatrix<f64>, vector: &DVector<f64>) -> Spectrum {
         let inner = self.fixed.tr_mul(&(scale(matrix, &self.units) * &self.fixed));
         let inner = (&inner + inner.transpose()) * 0.5;
-        let eigen = SymmetricEigen::new(inner);
-        let right = -eigen.eigenvectors.tr_mul(&self.fixed.tr_mul(&vector.component_mul(&self.units)));
+        let eigen = Eigen::new(inner);
+        let right = -eigen.vectors.tr_mul(&self.fixed.tr_mul(&vector.component_mul(&self.units)));
         Spectrum { eigen, right }
     }
 
     /// The step of a system: `u = −(H + μI)⁻¹ b` in scaled unknowns.
     pub(crate) fn step(&self, spectrum: &Spectrum, damping: f64) -> DVector<f64> {
         let inner = DVector::from_fn(spectrum.right.len(), |i, _| {
-            let value = spectrum.eigen.eigenvalues[i] + damping;
+            let value = spectrum.eigen.values[i] + damping;
             if value == 0.0 { 0.0 } else { spectrum.right[i] / value }
         });
-        (&self.fixed * (&spectrum.eigen.eigenvectors * inner)).component_mul(&self.units)
+        (&self.fixed * (&spectrum.eigen.vectors * inner)).component_mul(&self.units)
     }
 
     /// The inverse of a matrix in the directions that are fixed, 0 in the others.
     pub(crate) fn inverse(&self, matrix: &DMatrix<f64>) -> DMatrix<f64> {
         let zero = DVector::zeros(self.units.len());
         let spectrum = self.spectrum(matrix, &zero);
-        let vectors = &self.fixed * &spectrum.eigen.eigenvectors;
+        let vectors = &self.fixed * &spectrum.eigen.vectors;
         let inverse =
-            DMatrix::from_diagonal(&spectrum.eigen.eigenvalues.map(|x| if x > 0.0 { 1.0 / x } else { 0.0 }));
+            DMatrix::from_diagonal(&spectrum.eigen.values.map(|x| if x > 0.0 { 1.0 / x } else { 0.0 }));
         scale(&(&vectors * inverse * vectors.transpose()), &self.units)
     }
 }
@@ -81,12 +87,12 @@ impl Scaled {
 impl Spectrum {
     /// The smallest eigenvalue; infinite where there is no unknown.
     pub(crate) fn smallest(&self) -> f64 {
-        self.eigen.eigenvalues.iter().fold(f64::INFINITY, |m, &x| m.min(x))
+        self.eigen.values.iter().fold(f64::INFINITY, |m, &x| m.min(x))
     }
 
     /// The largest eigenvalue, at least 0.
     pub(crate) fn largest(&self) -> f64 {
-        self.eigen.eigenvalues.iter().fold(0.0, |m, &x| m.max(x))
+        self.eigen.values.iter().fold(0.0, |m, &x| m.max(x))
     }
 }
 

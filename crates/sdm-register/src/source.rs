@@ -101,16 +101,19 @@ impl<const D: usize> Prepared<D> {
         Ok(out)
     }
 
-    /// Every `step`-th point.
+    /// One point out of every `step` consecutive ones, not always the same of them: scans have rows and columns.
     pub(crate) fn thinned(&self, step: usize) -> Self {
         let step = step.max(1);
-        fn every<T: Copy>(values: &[T], step: usize) -> Vec<T> {
-            values.iter().copied().step_by(step).collect()
+        let pick: Vec<usize> = (0..self.points.len().div_ceil(step))
+            .map(|k| (k * step + scrambled(k) % step).min(self.points.len() - 1))
+            .collect();
+        fn at<T: Copy>(values: &[T], pick: &[usize]) -> Vec<T> {
+            if values.is_empty() { Vec::new() } else { pick.iter().map(|&i| values[i]).collect() }
         }
         Self {
-            points: every(&self.points, step),
-            normals: every(&self.normals, step),
-            weights: every(&self.weights, step),
+            points: at(&self.points, &pick),
+            normals: at(&self.normals, &pick),
+            weights: at(&self.weights, &pick),
             ..*self
         }
     }
@@ -139,6 +142,14 @@ impl<const D: usize> Prepared<D> {
         }
         Ok(())
     }
+}
+
+/// A number that has nothing to do with `k`, but is always the same (the finaliser of a 64 bit hash).
+fn scrambled(k: usize) -> usize {
+    let mut x = (k as u64).wrapping_add(0x9e37_79b9_7f4a_7c15);
+    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    usize::try_from((x ^ (x >> 31)) >> 33).unwrap_or(0)
 }
 
 fn check_length(what: &'static str, found: Option<usize>, points: usize) -> Result<(), Error> {

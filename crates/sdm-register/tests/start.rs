@@ -1,8 +1,8 @@
 //! Coarse starts, through the public API.
 
-mod common;
+mod bodies;
 
-use common::{Bumpy, Random};
+use bodies::{Bumpy, Random};
 use footpoint::no_progress;
 use nalgebra::Vector3;
 use sdm_register::start::{

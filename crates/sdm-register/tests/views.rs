@@ -1,8 +1,8 @@
 //! Many views at once, through the public API.
 
-mod common;
+mod bodies;
 
-use common::SixViews;
+use bodies::SixViews;
 use footpoint::no_progress;
 use nalgebra::Vector3;
 use sdm_register::views::{
@@ -93,11 +93,11 @@ fn tells_which_views_hang_loose() {
 
 #[test]
 fn planes_stay_where_nothing_holds_them() {
-    let mut random = common::Random(9);
+    let mut random = bodies::Random(9);
     let mut plane =
         || View::new(&(0..800).map(|_| Vector3::new(random.unit(), random.unit(), 0.0)).collect::<Vec<_>>());
     let both = [plane(), plane()];
-    let tilt = common::Random(3).motion(0.05, 0.02);
+    let tilt = bodies::Random(3).motion(0.05, 0.02);
     let report =
         register_views(&both, &[Pose::identity(), tilt], &ViewsOptions::default(), &no_progress).unwrap();
     assert_eq!(report.status, ViewsStatus::Underdetermined);

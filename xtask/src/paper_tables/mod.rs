@@ -1,9 +1,10 @@
-//! `cargo xtask paper-tables`: Tables 1 to 5 of \[HW05\], computed and compared with what is printed.
+//! `cargo xtask paper-tables`: Tables 1 to 6 of \[HW05\], computed and compared with what is printed.
 
 mod compute;
 mod digits;
 mod printed;
 mod render;
+mod table_6;
 #[cfg(test)]
 mod tests;
 
@@ -22,13 +23,17 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     for table in &tables {
         println!("{}", render::table(table));
     }
-    let wrong = disagreements(&tables);
+    let registrations = table_6::compute()
+        .map_err(|error| Failure::Failed(format!("a registration of Table 6 is invalid: {error}")))?;
+    println!("{}", table_6::render(&registrations));
+    let mut wrong = disagreements(&tables);
+    wrong.extend(table_6::disagreements(&registrations));
     if !wrong.is_empty() {
         return Err(Failure::Failed(format!("not as printed, nor as listed:\n{}", wrong.join("\n"))));
     }
     generated::write_or_check(
         DOCUMENT,
-        &render::document(&tables),
+        &format!("{}\n{}", render::document(&tables), table_6::render(&registrations)),
         check,
         "paper-tables",
         generated::identical,

@@ -5,9 +5,10 @@ use super::digits::{four_digits, two_digits};
 use std::fmt::Write as _;
 
 const HEAD: &str = "\
-# Tables 1 to 5 of [HW05]
+# Tables 1 to 6 of [HW05]
 
-Written by `cargo xtask paper-tables`, which computes every number with the `footpoint` crate.
+Written by `cargo xtask paper-tables`, which computes every number with the `footpoint` crate, and Table 6 with
+`sdm-register`.
 
 A step is rounded to 10 decimals and then to 2 significant digits, as in the paper. Under each printed
 number stands the computed one, marked `=` where they agree. A number marked `misprint` is one that the

@@ -49,3 +49,17 @@ fn a_changed_number_is_noticed() {
     assert_eq!(disagreements(&tables).len(), 2);
     assert!(render::document(&tables).contains("differs"));
 }
+
+#[test]
+fn registrations_of_table_6_are_exact() {
+    let registrations = table_6::compute().unwrap();
+    assert_eq!(table_6::disagreements(&registrations), Vec::<String>::new());
+    insta::assert_snapshot!("table_6", table_6::render(&registrations));
+}
+
+#[test]
+fn a_changed_registration_is_noticed() {
+    let mut registrations = table_6::compute().unwrap();
+    registrations[1].rows[0].errors[4] *= 1.0 + 1e-5;
+    assert_eq!(table_6::disagreements(&registrations).len(), 1);
+}

@@ -90,14 +90,18 @@ impl<const K: usize> PatchSet<K> {
         let patch = &self.patches[index];
         let y = x - patch.centre;
         let mut squared = vec![zero_row(); patch.rows()];
-        self.form(patch, &y, 0.0, &mut squared);
-        let scale = largest(&squared) + y.norm_squared() * patch.max_weight_sq;
+        // Squared distances less that of the centre: next to a pole they are small, and so are their rounding errors.
+        let base = y.norm_squared();
+        self.form(patch, &y, base, &mut squared);
+        let scale = largest(&squared);
         let weights = [patch.min_weight_sq, patch.max_weight_sq];
-        let level = Level::new(limit_sq, scale, weights, gap.tie, self.size);
-        let query = Query { x, index, level };
+        let level = Level::new(limit_sq, base, scale, weights, gap.tie, self.size);
         let weight = self.weight_form(patch).map(<[_]>::to_vec);
-        let mut stack = vec![Block { region: Region::UNIT, squared, weight }];
+        let region = Region { noise: self.difference_noise(patch, &y, &Region::UNIT), ..Region::UNIT };
+        let mut stack = vec![Block { region, squared, weight }];
         while let Some(block) = stack.pop() {
+            let level = Level { noise: block.region.noise, ..level };
+            let query = Query { x, index, level };
             if !harvest.enter_box() {
                 return;
             }
@@ -139,7 +143,12 @@ impl<const K: usize> PatchSet<K> {
             } else if region.depth >= MAX_DEPTH {
                 harvest.unresolved = true;
             } else {
-                stack.extend(self.halves(&block, &range));
+                let halves = self.halves(&block, &range);
+                stack.extend(halves.map(|mut half| {
+                    let noise = self.difference_noise(patch, &y, &half.region);
+                    half.region.noise = half.region.noise.min(noise);
+                    half
+                }));
             }
         }
     }

@@ -40,7 +40,7 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
         let scale =
             row_max(&squared).abs().max(row_min(&squared).abs()) + y.norm_squared() * piece.max_weight_sq;
         let weights = [piece.min_weight_sq, piece.max_weight_sq];
-        let level = Level::new(limit_sq, scale, weights, gap.tie, self.size);
+        let level = Level::new(limit_sq, 0.0, scale, weights, gap.tie, self.size);
         let weight = self.weight_form(piece);
         let line = Line { squared: &squared, weight, degree: Self::DEGREE, ends: [true; 2] };
         let extent = |range| extent(&[self.arc_bounds(index, range)]);

@@ -57,7 +57,9 @@ const MAX_FLATS: usize = 128;
 /// Which minima are wanted, and how well coefficients can be told.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Level {
-    /// Largest squared distance that is wanted.
+    /// Squared distance from which the levels are counted.
+    pub(crate) base: f64,
+    /// Largest squared distance that is wanted, less `base`.
     pub(crate) limit_sq: f64,
     /// Rounding errors of the coefficients.
     pub(crate) noise: f64,
@@ -89,11 +91,19 @@ pub(crate) struct Range {
 
 impl Level {
     /// Thresholds for forms whose coefficients are at most `scale`, and come from sums of terms of that size.
-    pub(crate) fn new(limit_sq: f64, scale: f64, weight_sq: [f64; 2], tie: f64, size: f64) -> Self {
+    pub(crate) fn new(
+        limit_sq: f64,
+        base: f64,
+        scale: f64,
+        weight_sq: [f64; 2],
+        tie: f64,
+        size: f64,
+    ) -> Self {
         // Levels above the largest distance do not occur.
-        let limit_sq = limit_sq.min(2.0 * scale / weight_sq[0]);
-        let noise = 4.0 * f64::EPSILON * (scale + limit_sq * weight_sq[1]);
+        let limit_sq = (limit_sq - base).min(2.0 * scale / weight_sq[0]);
+        let noise = 4.0 * f64::EPSILON * (scale + limit_sq.abs() * weight_sq[1]);
         Self {
+            base,
             limit_sq,
             noise,
             flat: 4.0 * tie,
@@ -134,8 +144,8 @@ impl Level {
         let error = 8.0 * self.noise / self.min_weight_sq;
         let top = (high + error).min(self.limit_sq);
         Some(Range {
-            levels: [(low - error).max(0.0).min(top), top],
-            flat: high - low <= self.flat * high + error,
+            levels: [(low - error).max(-self.base).min(top), top],
+            flat: high - low <= self.flat * (self.base + high) + error,
             same: high - low <= error,
         })
     }
@@ -283,7 +293,7 @@ mod tests {
         };
         let (squared, weight) = (row(a), w.map(row));
         let line = Line { squared: &squared, weight: weight.as_ref(), degree: a.len() - 1, ends: [true; 2] };
-        let level = Level::new(limit_sq, 10.0, [1.0, 1.0], 1e-9, 1.0);
+        let level = Level::new(limit_sq, 0.0, 10.0, [1.0, 1.0], 1e-9, 1.0);
         line.minima(&level, &|[a, b]| b - a, &mut || true)
     }
 

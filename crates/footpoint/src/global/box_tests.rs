@@ -111,48 +111,6 @@ pub(crate) fn evaluate<const K: usize>(rows: &[Row<K>], at: [f64; 2]) -> (f64, [
     )
 }
 
-/// Whether `G ≥ G(s, ·) − G_u(s, ·)² / 2a` keeps the box above zero, `a` being a lower bound of `G_uu`.
-#[inline(always)]
-pub(crate) fn ridge_u<const K: usize>(rows: &[Row<K>], s: f64, a: f64, floor: f64) -> bool {
-    let b = basis_rows::<K>(rows.len() - 1, s);
-    let (mut value, mut slope) = (zero_row::<K>(), zero_row::<K>());
-    for (i, row) in rows.iter().enumerate() {
-        add_scaled(&mut value, row, b[0][i / WIDTH].0[i % WIDTH]);
-        add_scaled(&mut slope, row, b[1][i / WIDTH].0[i % WIDTH]);
-    }
-    // A slope that points out of the box at its border takes nothing away.
-    let (falls, rises) = ((-row_min(&slope)).max(0.0), row_max(&slope).max(0.0));
-    let steepest = if s <= 0.0 {
-        falls
-    } else if s >= 1.0 {
-        rises
-    } else {
-        falls.max(rises)
-    };
-    row_min(&value) - 0.5 * steepest * steepest / a >= floor
-}
-
-/// As [`ridge_u`], along a line of constant `v`.
-#[inline(always)]
-pub(crate) fn ridge_v<const K: usize>(rows: &[Row<K>], t: f64, b: f64, floor: f64) -> bool {
-    let basis = basis_rows::<K>(WIDTH * K - 1, t);
-    let (mut least, mut falls, mut rises) = (f64::INFINITY, 0.0f64, 0.0f64);
-    for row in rows {
-        least = least.min(dot(row, &basis[0]));
-        let slope = dot(row, &basis[1]);
-        falls = falls.max(-slope);
-        rises = rises.max(slope);
-    }
-    let steepest = if t <= 0.0 {
-        falls
-    } else if t >= 1.0 {
-        rises
-    } else {
-        falls.max(rises)
-    };
-    least - 0.5 * steepest * steepest / b >= floor
-}
-
 /// The direction in which the control net sags most at its lowest coefficient.
 #[inline(always)]
 pub(crate) fn sag_direction<const K: usize>(rows: &[Row<K>]) -> usize {

@@ -1,6 +1,7 @@
 //! The grid of patches of one surface: who borders on whom, and how smoothly.
 
-use super::patch::{PatchSet, bounds, extent};
+use super::geometry::Geometry;
+use super::patch::{bounds, extent};
 use nurbs_core::BsplineSurface;
 
 /// Relative agreement of points and first derivatives that lets an iteration cross a border.
@@ -19,6 +20,8 @@ pub(crate) struct Cells {
     pub(crate) closed: [bool; 2],
     /// Breakpoints of the spans in each direction.
     breaks: [Vec<f64>; 2],
+    /// Cells per unit of the parameter.
+    density: [f64; 2],
     /// Whether the lower and upper edge of direction `d` is collapsed into a point.
     pub(crate) collapsed: [[bool; 2]; 2],
 }
@@ -30,19 +33,19 @@ pub(crate) fn unit(parameter: f64, low: f64, high: f64) -> f64 {
 }
 
 impl Cells {
-    pub(crate) fn new<const K: usize>(
-        surface: &BsplineSurface,
-        first: usize,
-        columns: usize,
-        set: &PatchSet<K>,
-    ) -> Self {
+    pub(crate) fn new(surface: &BsplineSurface, first: usize, columns: usize, set: &Geometry) -> Self {
         let rows = (set.patches.len() - first) / columns;
         let breaks = [surface.knots_u(), surface.knots_v()].map(|knots| {
             let mut breaks: Vec<f64> = knots.spans().map(|i| knots.as_slice()[i]).collect();
             breaks.push(knots.domain().end());
             breaks
         });
+        let density = [0, 1].map(|d| {
+            let (b, count) = (&breaks[d], [rows, columns][d]);
+            count as f64 / (b[count] - b[0])
+        });
         let mut cells = Self {
+            density,
             first,
             counts: [rows, columns],
             smooth: [vec![false; rows], vec![false; columns]],
@@ -75,12 +78,17 @@ impl Cells {
     #[inline(always)]
     pub(crate) fn across(&self, cell: [usize; 2], d: usize, end: usize) -> Option<[usize; 2]> {
         let count = self.counts[d];
-        let border = if end == 0 { cell[d] } else { (cell[d] + 1) % count };
+        let next = if cell[d] + 1 == count { 0 } else { cell[d] + 1 };
+        let border = if end == 0 { cell[d] } else { next };
         if !self.smooth[d][border] {
             return None;
         }
         let mut other = cell;
-        other[d] = if end == 0 { (cell[d] + count - 1) % count } else { border };
+        other[d] = match (end, cell[d]) {
+            (0, 0) => count - 1,
+            (0, i) => i - 1,
+            _ => next,
+        };
         Some(other)
     }
 
@@ -89,13 +97,29 @@ impl Cells {
         if end == 0 { cell[d] == 0 } else { cell[d] + 1 == self.counts[d] }
     }
 
+    /// The cell that would hold the parameter if all were equally long, as they often are.
+    #[inline(always)]
+    fn guess(&self, d: usize, parameter: f64) -> usize {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "saturates; NaN becomes 0"
+        )]
+        let index = ((parameter - self.breaks[d][0]) * self.density[d]) as usize;
+        index.min(self.counts[d] - 1)
+    }
+
     /// The cell that holds the parameter, and the local parameters there.
+    #[inline(always)]
     pub(crate) fn locate(&self, parameter: [f64; 2]) -> ([usize; 2], [f64; 2]) {
         let mut cell = [0; 2];
         let mut local = [0.0; 2];
         for d in 0..2 {
             let breaks = &self.breaks[d];
-            let index = breaks.partition_point(|&b| b <= parameter[d]).clamp(1, self.counts[d]) - 1;
+            let mut index = self.guess(d, parameter[d]);
+            if !(breaks[index] <= parameter[d] && parameter[d] < breaks[index + 1]) {
+                index = breaks.partition_point(|&b| b <= parameter[d]).clamp(1, self.counts[d]) - 1;
+            }
             let (low, high) = (breaks[index], breaks[index + 1]);
             cell[d] = index;
             local[d] = unit(parameter[d], low, high);
@@ -104,7 +128,7 @@ impl Cells {
     }
 
     /// Whether the surface is continuous, and once differentiable, across the border below cell `i`.
-    fn border<const K: usize>(&self, set: &PatchSet<K>, d: usize, i: usize, size: f64) -> (bool, bool) {
+    fn border(&self, set: &Geometry, d: usize, i: usize, size: f64) -> (bool, bool) {
         let (mut continuous, mut smooth) = (true, true);
         let below = (i + self.counts[d] - 1) % self.counts[d];
         for other in 0..self.counts[1 - d] {
@@ -133,7 +157,7 @@ impl Cells {
         (continuous, smooth)
     }
 
-    fn is_collapsed<const K: usize>(&self, set: &PatchSet<K>, d: usize, end: usize, size: f64) -> bool {
+    fn is_collapsed(&self, set: &Geometry, d: usize, end: usize, size: f64) -> bool {
         let mut reference = None;
         for other in 0..self.counts[1 - d] {
             let mut cell = [other; 2];

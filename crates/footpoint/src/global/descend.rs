@@ -1,25 +1,35 @@
 //! Local minimisation of the distance on the patches: Newton's method with an active set.
 
 use super::dispatch::vectorized;
-use super::patch::PatchSet;
+use super::geometry::{Geometry, Patch};
 use nalgebra::Vector3;
+use nurbs_core::SurfaceJet;
 
 /// A local step shorter than this, in units of the patch, may be the last one: the convergence is quadratic,
 /// so that what remains is of the order of its square.
-const LAST_STEP: f64 = 1e-7;
+pub(super) const LAST_STEP: f64 = 1e-7;
 
 /// Next to a pole parameters tell little. The last step must also be short against the distance, or against the
 /// size of the model.
-const LAST_SHARE: [f64; 2] = [1e-4, 1e-10];
+pub(super) const LAST_SHARE: [f64; 2] = [1e-4, 1e-10];
 
 /// Speed, as a share of the size of the model, at which a parameter does not move the point: poles.
-const STANDSTILL: f64 = 1e-12;
+pub(super) const STANDSTILL: f64 = 1e-12;
 
 /// Curvature of the squared distance, as a share of that on a flat patch, that still tells a step length.
 pub(super) const FLATTEST: f64 = 1e-12;
 
 /// Square of the rounding error of a slope, as a share of squared speed and squared lengths: `(4 ε)²`.
 pub(super) const SLOPE_NOISE_SQ: f64 = 16.0 * f64::EPSILON * f64::EPSILON;
+
+/// Relative growth of the squared distance that may be a rounding error.
+pub(super) const GROWTH: f64 = 1.0 + 1e-14;
+
+/// Least share of a step that is tried when the distance grows.
+const LEAST_SHARE: f64 = 1e-4;
+
+/// Determinant of the Hessian, as a share of that of a flat patch, down to which Newton's step is taken.
+pub(super) const DEFINITE: f64 = 1e-12;
 
 /// A place on the model and its distance from the query.
 #[derive(Clone, Copy, Debug)]
@@ -39,31 +49,56 @@ impl Foot {
         Self { patch: usize::MAX, local: [0.0; 2], distance_sq: f64::INFINITY, steps: 0, settled: false };
 }
 
-/// Newton's step for `|S − x|² / 2` in local parameters, restricted to the directions that are free.
-struct Step {
-    delta: [f64; 2],
+/// Second order model of half the squared distance at a place.
+pub(super) struct Model {
+    pub(super) gradient: [f64; 2],
+    pub(super) hessian: [f64; 3],
+    /// First fundamental form: the part of the Hessian that is never negative.
+    pub(super) metric: [f64; 3],
 }
 
-/// Second order model of half the squared distance at a place.
-struct Model {
-    gradient: [f64; 2],
-    hessian: [f64; 3],
-    /// First fundamental form: the part of the Hessian that is never negative.
-    metric: [f64; 3],
+/// What the model says about where to go.
+pub(super) enum Move {
+    /// Nothing but rounding errors is left of the slope.
+    Rest,
+    /// Numbers that are not finite.
+    Stop,
+    /// A step to another place. It is the last one if it is negligible.
+    To { patch: usize, local: [f64; 2], step: [f64; 2], last: bool },
+}
+
+#[inline(always)]
+pub(super) fn dot(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
+    (a.x * b.x + a.y * b.y) + a.z * b.z
 }
 
 impl Model {
+    #[inline(always)]
+    pub(super) fn new(jet: &SurfaceJet, r: &Vector3<f64>) -> Self {
+        let metric = [dot(&jet.du, &jet.du), dot(&jet.du, &jet.dv), dot(&jet.dv, &jet.dv)];
+        Self {
+            gradient: [dot(&jet.du, r), dot(&jet.dv, r)],
+            metric,
+            hessian: [
+                metric[0] + dot(&jet.duu, r),
+                metric[1] + dot(&jet.duv, r),
+                metric[2] + dot(&jet.dvv, r),
+            ],
+        }
+    }
+
     /// The step in the free directions; where the Hessian is not positive definite, the direction of the first
     /// order iteration with the length that the amount of curvature along it tells, be it a hill or a valley.
     #[inline(always)]
-    fn step(&self, free: [bool; 2]) -> Step {
+    fn step(&self, free: [bool; 2]) -> [f64; 2] {
         let [gs, gt] = self.gradient;
-        let delta = match free {
+        match free {
             [true, true] => {
                 let [hss, hst, htt] = self.hessian;
                 let det = hss * htt - hst * hst;
-                if det > 1e-12 * self.metric[0] * self.metric[2] && hss > 0.0 {
-                    [(hst * gt - htt * gs) / det, (hst * gs - hss * gt) / det]
+                if det > DEFINITE * self.metric[0] * self.metric[2] && hss > 0.0 {
+                    let inverse = 1.0 / det;
+                    [(hst * gt - htt * gs) * inverse, (hst * gs - hss * gt) * inverse]
                 } else {
                     self.damped()
                 }
@@ -71,8 +106,7 @@ impl Model {
             [true, false] => [self.along(0), 0.0],
             [false, true] => [0.0, self.along(1)],
             [false, false] => [0.0; 2],
-        };
-        Step { delta }
+        }
     }
 
     /// The step along one parameter line.
@@ -83,6 +117,7 @@ impl Model {
         if curvature > 0.0 { -self.gradient[d] / curvature } else { 0.0 }
     }
 
+    #[cold]
     fn damped(&self) -> [f64; 2] {
         let [gs, gt] = self.gradient;
         let [ess, est, ett] = self.metric;
@@ -100,16 +135,46 @@ impl Model {
     }
 }
 
-impl<const K: usize> PatchSet<K> {
+/// The jet a short step away: Taylor's polynomials, whose errors are far below those of rounding.
+#[inline(always)]
+pub(super) fn moved(jet: &SurfaceJet, [s, t]: [f64; 2]) -> SurfaceJet {
+    SurfaceJet {
+        point: jet.point
+            + ((jet.du + (jet.duu * (0.5 * s) + jet.duv * t)) * s + (jet.dv + jet.dvv * (0.5 * t)) * t),
+        du: jet.du + (jet.duu * s + jet.duv * t),
+        dv: jet.dv + (jet.duv * s + jet.dvv * t),
+        ..*jet
+    }
+}
+
+impl Geometry {
     /// Squared distance of `x` from the point of a patch at `local`.
     #[inline(always)]
     pub(crate) fn distance_sq(&self, x: &Vector3<f64>, patch: usize, local: [f64; 2]) -> f64 {
         let patch = &self.patches[patch];
-        (self.point(patch, local[0], local[1]) - (x - patch.centre)).norm_squared()
+        let r = self.point(patch, local[0], local[1]) - (x - patch.centre);
+        dot(&r, &r)
+    }
+
+    /// Whether the distance at a place does not exceed that of the place before.
+    #[inline(always)]
+    pub(crate) fn falls(&self, x: &Vector3<f64>, patch: usize, local: [f64; 2], before_sq: f64) -> bool {
+        before_sq == f64::INFINITY || self.distance_sq(x, patch, local) <= before_sq * GROWTH
     }
 
     /// Follows the distance downhill from a place, across smooth borders of patches, until the steps vanish.
     pub(crate) fn descend(&self, x: &Vector3<f64>, patch: usize, local: [f64; 2], max_steps: u32) -> Foot {
+        self.descend_to_jet(x, patch, local, max_steps).0
+    }
+
+    /// As [`descend`](Self::descend), with the jet at the foot.
+    pub(crate) fn descend_to_jet(
+        &self,
+        x: &Vector3<f64>,
+        patch: usize,
+        local: [f64; 2],
+        max_steps: u32,
+    ) -> (Foot, SurfaceJet) {
         vectorized(
             #[inline(always)]
             || self.descend_inline(x, patch, local, max_steps),
@@ -117,7 +182,13 @@ impl<const K: usize> PatchSet<K> {
     }
 
     #[inline(always)]
-    fn descend_inline(&self, x: &Vector3<f64>, patch: usize, local: [f64; 2], max_steps: u32) -> Foot {
+    fn descend_inline(
+        &self,
+        x: &Vector3<f64>,
+        patch: usize,
+        local: [f64; 2],
+        max_steps: u32,
+    ) -> (Foot, SurfaceJet) {
         let mut index = patch;
         let mut at = local;
         let mut best = Foot { patch, local, ..Foot::NONE };
@@ -126,20 +197,21 @@ impl<const K: usize> PatchSet<K> {
         let mut taken = [0.0f64; 2];
         loop {
             let patch = &self.patches[index];
-            let y = x - patch.centre;
             let jet = self.jet(patch, at[0], at[1]);
-            let r = jet.point - y;
-            let distance_sq = r.norm_squared();
+            let r = jet.point - (x - patch.centre);
+            let distance_sq = dot(&r, &r);
             steps += 1;
-            let grown = distance_sq > best.distance_sq * (1.0 + 1e-14);
+            let grown = distance_sq > best.distance_sq * GROWTH;
             if grown || !distance_sq.is_finite() {
                 // Too far: back to the best place, and half of the step.
                 if steps >= max_steps
-                    || shrink < 1e-4
+                    || shrink < LEAST_SHARE
                     || taken[0].abs().max(taken[1].abs()) * shrink < LAST_STEP
                 {
                     best.settled = steps < max_steps;
-                    break;
+                    best.steps = steps;
+                    let [s, t] = best.local;
+                    return (best, self.jet(&self.patches[best.patch], s, t));
                 }
                 shrink *= 0.5;
                 let step = [taken[0] * shrink, taken[1] * shrink];
@@ -148,85 +220,130 @@ impl<const K: usize> PatchSet<K> {
             }
             best = Foot { patch: index, local: at, distance_sq, steps, settled: false };
             shrink = 1.0;
-            let model = Model {
-                gradient: [jet.du.dot(&r), jet.dv.dot(&r)],
-                metric: [jet.du.norm_squared(), jet.du.dot(&jet.dv), jet.dv.norm_squared()],
-                hessian: [
-                    jet.du.norm_squared() + jet.duu.dot(&r),
-                    jet.du.dot(&jet.dv) + jet.duv.dot(&r),
-                    jet.dv.norm_squared() + jet.dvv.dot(&r),
-                ],
-            };
-            // A bound is active where the distance would decrease beyond it and there is nothing beyond.
-            let mut free = [true; 2];
-            let mut level = true;
-            let size_sq = self.size * self.size;
-            for d in 0..2 {
-                let speed_sq = model.metric[2 * d];
-                if speed_sq <= STANDSTILL * STANDSTILL * size_sq {
-                    free[d] = false;
-                    continue;
+            match self.advance(index, at, &Model::new(&jet, &r), distance_sq) {
+                Move::Rest => {
+                    best.settled = true;
+                    return (best, jet);
                 }
-                let pushes_out =
-                    (at[d] <= 0.0 && model.gradient[d] > 0.0) || (at[d] >= 1.0 && model.gradient[d] < 0.0);
-                if pushes_out {
-                    let end = usize::from(at[d] >= 1.0);
-                    free[d] = self.cells[patch.shape].across(patch.cell, d, end).is_some();
-                }
-                let noise_sq = SLOPE_NOISE_SQ * (distance_sq + size_sq) * speed_sq;
-                level &= !free[d] || model.gradient[d] * model.gradient[d] <= noise_sq;
-            }
-            if level {
-                // Nothing but rounding errors is left of the slope.
-                best.settled = true;
-                break;
-            }
-            let mut step = model.step(free).delta;
-            // A step that meets a bound in one direction is solved anew for the other.
-            for d in 0..2 {
-                let target = at[d] + step[d];
-                let end = usize::from(target > 1.0);
-                let outside = !(0.0..=1.0).contains(&target);
-                if outside
-                    && free[0]
-                    && free[1]
-                    && self.cells[patch.shape].across(patch.cell, d, end).is_none()
-                {
-                    step[d] = end as f64 - at[d];
-                    let other = 1 - d;
-                    let bent = model.hessian[2 * other];
-                    if bent > 1e-3 * model.metric[2 * other] {
-                        step[other] = -(model.gradient[other] + model.hessian[1] * step[d]) / bent;
+                Move::Stop => return (best, jet),
+                Move::To { patch, local, step, last } => {
+                    if last || steps >= max_steps {
+                        best.settled = last;
+                        return self.land(x, best, &jet, (patch, local), step, last);
                     }
-                    break;
+                    taken = step;
+                    (index, at) = (patch, local);
                 }
+            }
+        }
+    }
+
+    /// Takes the last step, to a target, or as much of it as does not let the distance grow.
+    #[inline(always)]
+    pub(super) fn land(
+        &self,
+        x: &Vector3<f64>,
+        foot: Foot,
+        jet: &SurfaceJet,
+        mut target: (usize, [f64; 2]),
+        step: [f64; 2],
+        short: bool,
+    ) -> (Foot, SurfaceJet) {
+        let mut shrink = 1.0;
+        loop {
+            let (index, local) = target;
+            let patch = &self.patches[index];
+            let there = if short && index == foot.patch {
+                moved(jet, [local[0] - foot.local[0], local[1] - foot.local[1]])
+            } else {
+                self.jet(patch, local[0], local[1])
+            };
+            let r = there.point - (x - patch.centre);
+            let distance_sq = dot(&r, &r);
+            if distance_sq <= foot.distance_sq * GROWTH {
+                return (Foot { patch: index, local, distance_sq, ..foot }, there);
+            }
+            shrink *= 0.5;
+            if short || shrink < LEAST_SHARE {
+                return (foot, *jet);
+            }
+            target = self.walk(foot.patch, foot.local, [step[0] * shrink, step[1] * shrink]);
+        }
+    }
+
+    /// Where the model of a place leads to.
+    #[inline(always)]
+    pub(super) fn advance(&self, index: usize, at: [f64; 2], model: &Model, distance_sq: f64) -> Move {
+        let patch = &self.patches[index];
+        let size_sq = self.size * self.size;
+        // A bound is active where the distance would decrease beyond it and there is nothing beyond.
+        let mut free = [true; 2];
+        let mut level = true;
+        for d in 0..2 {
+            let speed_sq = model.metric[2 * d];
+            if speed_sq <= STANDSTILL * STANDSTILL * size_sq {
+                free[d] = false;
+                continue;
+            }
+            let pushes_out =
+                (at[d] <= 0.0 && model.gradient[d] > 0.0) || (at[d] >= 1.0 && model.gradient[d] < 0.0);
+            if pushes_out {
+                let end = usize::from(at[d] >= 1.0);
+                free[d] = self.cells[patch.shape].across(patch.cell, d, end).is_some();
+            }
+            let noise_sq = SLOPE_NOISE_SQ * (distance_sq + size_sq) * speed_sq;
+            level &= !free[d] || model.gradient[d] * model.gradient[d] <= noise_sq;
+        }
+        if level {
+            return Move::Rest;
+        }
+        let mut step = model.step(free);
+        let inside = |x: f64| (0.0..=1.0).contains(&x);
+        let mut local = [at[0] + step[0], at[1] + step[1]];
+        let mut next = index;
+        if !(inside(local[0]) && inside(local[1])) {
+            if free[0] && free[1] {
+                self.bend(patch, at, model, &mut step);
             }
             let largest = step[0].abs().max(step[1].abs());
             if !largest.is_finite() {
-                break;
+                return Move::Stop;
             }
             if largest > 1.5 {
                 step = [step[0] * 1.5 / largest, step[1] * 1.5 / largest];
             }
-            let (next, target) = self.walk(index, at, step);
-            let length_sq = step[0] * step[0] * model.metric[0] + step[1] * step[1] * model.metric[2];
-            let short = LAST_SHARE[0] * LAST_SHARE[0] * distance_sq;
-            let last = largest < LAST_STEP && length_sq <= short.max((LAST_SHARE[1] * self.size).powi(2));
-            if last || steps >= max_steps || (next == index && target == at) {
-                let distance_sq = self.distance_sq(x, next, target);
-                if distance_sq <= best.distance_sq {
-                    best.patch = next;
-                    best.local = target;
-                    best.distance_sq = distance_sq;
-                }
-                best.settled = last || (next == index && target == at);
-                break;
-            }
-            taken = step;
-            (index, at) = (next, target);
+            (next, local) = self.walk(index, at, step);
         }
-        best.steps = steps;
-        best
+        let largest = step[0].abs().max(step[1].abs());
+        let length_sq = step[0] * step[0] * model.metric[0] + step[1] * step[1] * model.metric[2];
+        let last = largest < LAST_STEP && length_sq <= self.short_sq(distance_sq);
+        Move::To { patch: next, local, step, last: last || (next == index && local == at) }
+    }
+
+    /// Squared length down to which a step may be the last one.
+    #[inline(always)]
+    pub(super) fn short_sq(&self, distance_sq: f64) -> f64 {
+        let floor = LAST_SHARE[1] * self.size;
+        (LAST_SHARE[0] * LAST_SHARE[0] * distance_sq).max(floor * floor)
+    }
+
+    /// A step that meets a bound in one direction is solved anew for the other.
+    #[inline(always)]
+    fn bend(&self, patch: &Patch, at: [f64; 2], model: &Model, step: &mut [f64; 2]) {
+        for d in 0..2 {
+            let target = at[d] + step[d];
+            let end = usize::from(target > 1.0);
+            let outside = !(0.0..=1.0).contains(&target);
+            if outside && self.cells[patch.shape].across(patch.cell, d, end).is_none() {
+                step[d] = end as f64 - at[d];
+                let other = 1 - d;
+                let bent = model.hessian[2 * other];
+                if bent > 1e-3 * model.metric[2 * other] {
+                    step[other] = -(model.gradient[other] + model.hessian[1] * step[d]) / bent;
+                }
+                return;
+            }
+        }
     }
 
     /// The place reached by a local step: across smooth borders into other patches, stopped at the others.

@@ -1,6 +1,6 @@
 //! Eight doubles that the compiler keeps in vector registers, and rows of Bernstein coefficients.
 
-use std::ops::{Add, Mul, Sub};
+use std::ops::{Add, Div, Mul, Sub};
 
 /// Number of doubles in a [`Lanes`].
 pub(crate) const WIDTH: usize = 8;
@@ -28,6 +28,7 @@ macro_rules! lanewise {
 lanewise!(Add, add, +);
 lanewise!(Sub, sub, -);
 lanewise!(Mul, mul, *);
+lanewise!(Div, div, /);
 
 impl Mul<f64> for Lanes {
     type Output = Self;
@@ -62,6 +63,45 @@ impl Lanes {
         let mut out = self;
         for l in 0..WIDTH {
             out.0[l] = if self.0[l] > other.0[l] { self.0[l] } else { other.0[l] };
+        }
+        out
+    }
+
+    #[inline(always)]
+    pub(crate) fn abs(self) -> Self {
+        let mut out = self;
+        for l in 0..WIDTH {
+            out.0[l] = self.0[l].abs();
+        }
+        out
+    }
+
+    /// Bit by bit, whether a lane is positive.
+    #[inline(always)]
+    pub(crate) fn positive(self) -> u32 {
+        let mut bits = [0u8; WIDTH];
+        for l in 0..WIDTH {
+            bits[l] = u8::from(self.0[l] > 0.0) << l;
+        }
+        bits.iter().fold(0, |all, bit| all | u32::from(*bit))
+    }
+
+    /// Bit by bit, whether a lane is positive or zero.
+    #[inline(always)]
+    pub(crate) fn not_negative(self) -> u32 {
+        let mut bits = [0u8; WIDTH];
+        for l in 0..WIDTH {
+            bits[l] = u8::from(self.0[l] >= 0.0) << l;
+        }
+        bits.iter().fold(0, |all, bit| all | u32::from(*bit))
+    }
+
+    /// The lanes of `other` where the bit is set.
+    #[inline(always)]
+    pub(crate) fn replaced(self, bits: u32, other: &Self) -> Self {
+        let mut out = self;
+        for l in 0..WIDTH {
+            out.0[l] = if bits & (1 << l) != 0 { other.0[l] } else { self.0[l] };
         }
         out
     }

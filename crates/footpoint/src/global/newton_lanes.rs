@@ -1,213 +1,257 @@
 //! Newton's method for eight queries side by side on one patch.
 
+use super::descend::{
+    DEFINITE, Foot, GROWTH, LAST_SHARE, LAST_STEP, Model, Move, SLOPE_NOISE_SQ, STANDSTILL,
+};
+use super::geometry::{Geometry, Patch};
 use super::lanes::{Lanes, WIDTH};
-use super::patch::{Homogeneous, Patch, PatchSet};
-use crate::{Location, Multiplicity, Status, SurfaceFootpoint};
+use super::power::{self, Wide};
 use nalgebra::Vector3;
+use nurbs_core::SurfaceJet;
 
-/// Rounds before a lane is left to the scalar iteration.
-const ROUNDS: usize = 7;
-/// Local step after which the next evaluation is the last.
-const LAST_STEP: f64 = 1e-7;
-/// Feet nearer than this to the border of the patch, in local parameters, are left to the scalar iteration.
-const MARGIN: f64 = 1e-9;
+/// A point on its way downhill.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Walker {
+    pub(crate) x: Vector3<f64>,
+    pub(crate) local: [f64; 2],
+    /// Squared distance of the place before, which must not be exceeded.
+    pub(crate) before_sq: f64,
+    pub(crate) patch: u32,
+    /// Whose point it is.
+    pub(crate) index: u32,
+    /// Jets evaluated so far.
+    pub(crate) steps: u32,
+}
 
-/// Coordinates of eight points or vectors; the fourth is the weight.
-type Wide = [Lanes; 4];
+/// How a walk on one patch ends.
+pub(crate) enum Outcome {
+    /// At a foot.
+    Landed(Foot, SurfaceJet),
+    /// On another patch.
+    Crossed(Walker),
+    /// Where the distance grows: to be walked again, with step control.
+    Lost,
+}
 
-impl<const K: usize> PatchSet<K> {
-    /// Feet of eight points from local starts on the same patch.
-    ///
-    /// `None` where the iteration is not a plain convergence to the inside of the patch: those lanes need the
-    /// scalar iteration, with its active set, its step control and its way across borders.
+/// One evaluation of eight places: jets, model, and where Newton's step leads to.
+struct Round {
+    jets: [Wide<3>; 6],
+    distance_sq: Lanes,
+    gradient: [Lanes; 2],
+    metric: [Lanes; 3],
+    hessian: [Lanes; 3],
+    step: [Lanes; 2],
+    target: [Lanes; 2],
+    /// Bit by bit: lanes that go to the target, inside the patch.
+    plain: u32,
+    /// Those for which the step is negligible.
+    last: u32,
+}
+
+/// The places of eight walkers.
+struct Places {
+    y: [Lanes; 3],
+    local: [Lanes; 2],
+    before_sq: Lanes,
+}
+
+impl Geometry {
+    /// Lets walkers on one patch go downhill until they land or leave; each does the same, bit for bit, as in
+    /// [`descend`](Self::descend).
     #[inline(always)]
     pub(crate) fn newton_lanes(
         &self,
-        index: usize,
-        points: &[Vector3<f64>; WIDTH],
-        starts: &[[f64; 2]; WIDTH],
-    ) -> [Option<SurfaceFootpoint>; WIDTH] {
-        let patch = &self.patches[index];
-        match patch.degrees {
-            [3, 3] => self.iterate::<4, 4>(patch, points, starts),
-            [2, 2] => self.iterate::<3, 3>(patch, points, starts),
-            _ => [None; WIDTH],
+        group: &[Walker],
+        max_steps: u32,
+        mut report: impl FnMut(&Walker, Outcome),
+    ) {
+        let patch = &self.patches[group[0].patch as usize];
+        match (patch.order, patch.rational) {
+            (4, false) => self.iterate::<4, 3>(patch, group, max_steps, report),
+            (4, true) => self.iterate::<4, 4>(patch, group, max_steps, report),
+            (3, false) => self.iterate::<3, 3>(patch, group, max_steps, report),
+            (3, true) => self.iterate::<3, 4>(patch, group, max_steps, report),
+            _ => group.iter().for_each(|walker| report(walker, Outcome::Lost)),
         }
     }
 
     #[inline(always)]
-    fn iterate<const M: usize, const N: usize>(
+    fn iterate<const N: usize, const C: usize>(
         &self,
         patch: &Patch,
-        points: &[Vector3<f64>; WIDTH],
-        starts: &[[f64; 2]; WIDTH],
-    ) -> [Option<SurfaceFootpoint>; WIDTH] {
-        let net = self.net(patch);
-        let mut y = [Lanes::splat(0.0); 3];
-        let (mut s, mut t) = (Lanes::splat(0.0), Lanes::splat(0.0));
-        for l in 0..WIDTH {
-            for c in 0..3 {
-                y[c].0[l] = points[l][c] - patch.centre[c];
+        group: &[Walker],
+        max_steps: u32,
+        mut report: impl FnMut(&Walker, Outcome),
+    ) {
+        let net = self.powers::<N, C>(patch);
+        let zero = Lanes::splat(0.0);
+        let mut places = Places { y: [zero; 3], local: [Lanes::splat(0.5); 2], before_sq: zero };
+        let mut steps = [0u32; WIDTH];
+        let mut members = [0usize; WIDTH];
+        let (mut occupied, mut waiting) = (0u32, 0usize);
+        let mut free = (1u32 << WIDTH) - 1;
+        loop {
+            // A lane that has become free takes the next walker.
+            while free != 0 && waiting < group.len() {
+                let l = free.trailing_zeros() as usize;
+                free &= free - 1;
+                occupied |= 1 << l;
+                let walker = &group[waiting];
+                let y = walker.x - patch.centre;
+                for c in 0..3 {
+                    places.y[c].0[l] = y[c];
+                }
+                for d in 0..2 {
+                    places.local[d].0[l] = walker.local[d];
+                }
+                places.before_sq.0[l] = walker.before_sq;
+                (steps[l], members[l]) = (walker.steps, waiting);
+                waiting += 1;
             }
-            (s.0[l], t.0[l]) = (starts[l][0], starts[l][1]);
-        }
-        let mut finishing = [false; WIDTH];
-        let mut failed = [false; WIDTH];
-        let mut previous = Lanes::splat(f64::INFINITY);
-        let short = (1e-10 * self.size) * (1e-10 * self.size);
-        for round in 1..=ROUNDS {
-            let jet = jets::<M, N>(net, s, t, patch.rational);
-            let [point, du, dv, duu, duv, dvv] = &jet;
-            let r = [point[0] - y[0], point[1] - y[1], point[2] - y[2]];
-            let distance_sq = dot(&r, &r);
-            let (gs, gt) = (dot(du, &r), dot(dv, &r));
-            let (ess, ett, est) = (dot(du, du), dot(dv, dv), dot(du, dv));
-            let (hss, hst, htt) = (ess + dot(duu, &r), est + dot(duv, &r), ett + dot(dvv, &r));
-            let det = hss * htt - hst * hst;
-            let (ns, nt) = (hst * gt - htt * gs, hst * gs - hss * gt);
-            let mut open = false;
+            if occupied == 0 {
+                return;
+            }
+            let round = round::<N, C>(net, &places, self.size);
+            let mut limited = 0;
             for l in 0..WIDTH {
-                let definite = det.0[l] > 1e-12 * ess.0[l] * ett.0[l] && hss.0[l] > 0.0;
-                let falling = distance_sq.0[l] <= previous.0[l] * (1.0 + 1e-14);
-                let (ds, dt) = (ns.0[l] / det.0[l], nt.0[l] / det.0[l]);
-                let (next_s, next_t) = (s.0[l] + ds, t.0[l] + dt);
-                let inside =
-                    MARGIN < next_s && next_s < 1.0 - MARGIN && MARGIN < next_t && next_t < 1.0 - MARGIN;
-                let good = finishing[l] || (definite && falling && inside);
-                failed[l] |= !good;
-                let length_sq = ds * ds * ess.0[l] + dt * dt * ett.0[l];
-                let last =
-                    ds.abs().max(dt.abs()) < LAST_STEP && length_sq <= (1e-8 * distance_sq.0[l]).max(short);
-                let moves = good && !finishing[l];
-                open |= moves;
-                if moves {
-                    (s.0[l], t.0[l]) = (next_s, next_t);
-                    finishing[l] = last;
+                steps[l] += 1;
+                limited |= u32::from(steps[l] >= max_steps) << l;
+            }
+            let mut attention = occupied & (!round.plain | round.last | limited);
+            while attention != 0 {
+                let l = attention.trailing_zeros() as usize;
+                attention &= attention - 1;
+                let walker = &group[members[l]];
+                let outcome = self.conclude_lane(&round, &places, l, walker, steps[l], max_steps);
+                match outcome {
+                    Ok(local) => {
+                        for d in 0..2 {
+                            places.local[d].0[l] = local[d];
+                        }
+                    }
+                    Err(outcome) => {
+                        report(walker, outcome);
+                        occupied &= !(1 << l);
+                        free |= 1 << l;
+                    }
                 }
             }
-            previous = distance_sq;
-            if !open {
-                return self.collect(patch, [s, t], &jet, &r, distance_sq, &failed, round);
+            for d in 0..2 {
+                places.local[d] = places.local[d].replaced(round.plain, &round.target[d]);
             }
+            places.before_sq = round.distance_sq;
         }
-        [None; WIDTH]
     }
 
-    /// The results of the lanes that have come to rest inside the patch.
+    /// What becomes of a lane that does not simply go on: a place on the same patch, or the end of its walk.
     #[inline(always)]
-    #[expect(clippy::too_many_arguments, reason = "all of them are the lanes of one evaluation")]
-    fn collect(
+    fn conclude_lane(
         &self,
-        patch: &Patch,
-        [s, t]: [Lanes; 2],
-        jet: &[Wide; 6],
-        r: &[Lanes; 3],
-        distance_sq: Lanes,
-        failed: &[bool; WIDTH],
-        round: usize,
-    ) -> [Option<SurfaceFootpoint>; WIDTH] {
-        let [point, du, dv, ..] = jet;
-        let normal =
-            [du[1] * dv[2] - du[2] * dv[1], du[2] * dv[0] - du[0] * dv[2], du[0] * dv[1] - du[1] * dv[0]];
-        let side = dot(&normal, r);
-        let (area_sq, eu, ev) = (dot(&normal, &normal), dot(du, du), dot(dv, dv));
-        let mut out = [None; WIDTH];
-        for l in 0..WIDTH {
-            // Next to a pole the side is found from higher derivatives.
-            if failed[l] || area_sq.0[l] <= 1e-12 * eu.0[l] * ev.0[l] {
-                continue;
-            }
-            let distance = distance_sq.0[l].sqrt();
-            out[l] = Some(SurfaceFootpoint {
-                shape: patch.shape,
-                parameter: patch.parameter(s.0[l], t.0[l]),
-                point: Vector3::new(point[0].0[l], point[1].0[l], point[2].0[l]) + patch.centre,
-                distance,
-                signed_distance: if side.0[l] > 0.0 { -distance } else { distance },
-                status: Status::Converged,
-                location: Location::Interior,
-                multiplicity: Multiplicity::Unknown,
-                lower_bound: 0.0,
-                iterations: u32::try_from(round).unwrap_or(0),
-            });
+        round: &Round,
+        places: &Places,
+        l: usize,
+        walker: &Walker,
+        steps: u32,
+        max_steps: u32,
+    ) -> Result<[f64; 2], Outcome> {
+        let distance_sq = round.distance_sq.0[l];
+        if distance_sq > places.before_sq.0[l] * GROWTH || !distance_sq.is_finite() {
+            return Err(Outcome::Lost);
         }
-        out
+        let vector = |k: usize| {
+            let [x, y, z] = &round.jets[k];
+            Vector3::new(x.0[l], y.0[l], z.0[l])
+        };
+        let jet = SurfaceJet {
+            point: vector(0),
+            du: vector(1),
+            dv: vector(2),
+            duu: vector(3),
+            duv: vector(4),
+            dvv: vector(5),
+        };
+        let index = walker.patch as usize;
+        let at = [places.local[0].0[l], places.local[1].0[l]];
+        let mut foot = Foot { patch: index, local: at, distance_sq, steps, settled: false };
+        let going = if round.plain >> l & 1 != 0 {
+            let local = [round.target[0].0[l], round.target[1].0[l]];
+            let last = round.last >> l & 1 != 0;
+            Move::To { patch: index, local, step: round.step.map(|s| s.0[l]), last }
+        } else {
+            let model = Model {
+                gradient: round.gradient.map(|g| g.0[l]),
+                hessian: round.hessian.map(|h| h.0[l]),
+                metric: round.metric.map(|m| m.0[l]),
+            };
+            self.advance(index, at, &model, distance_sq)
+        };
+        match going {
+            Move::Rest => {
+                foot.settled = true;
+                Err(Outcome::Landed(foot, jet))
+            }
+            Move::Stop => Err(Outcome::Landed(foot, jet)),
+            Move::To { patch, local, step, last } => {
+                if last || steps >= max_steps {
+                    foot.settled = last;
+                    let (foot, jet) = self.land(&walker.x, foot, &jet, (patch, local), step, last);
+                    return Err(Outcome::Landed(foot, jet));
+                }
+                if patch == index {
+                    return Ok(local);
+                }
+                let patch = u32::try_from(patch).unwrap_or(u32::MAX);
+                Err(Outcome::Crossed(Walker { local, patch, before_sq: distance_sq, steps, ..*walker }))
+            }
+        }
     }
 }
 
 #[inline(always)]
-fn dot<const A: usize, const B: usize>(a: &[Lanes; A], b: &[Lanes; B]) -> Lanes {
+fn dot(a: &Wide<3>, b: &Wide<3>) -> Lanes {
     (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
 }
 
-/// Value, first and second derivatives of the Bernstein polynomials of degree `M − 1` (2 or 3).
+/// Positive inside the unit interval.
 #[inline(always)]
-fn basis<const M: usize>(s: Lanes) -> [[Lanes; 3]; M] {
-    let one = Lanes::splat(1.0);
-    let r = one - s;
-    let mut out = [[Lanes::splat(0.0); 3]; M];
-    let (rr, rs, ss) = (r * r, r * s * 2.0, s * s);
-    if M == 3 {
-        out[0] = [rr, r * -2.0, one * 2.0];
-        out[1] = [rs, (r - s) * 2.0, one * -4.0];
-        out[2] = [ss, s * 2.0, one * 2.0];
-    } else {
-        out[0] = [rr * r, rr * -3.0, r * 6.0];
-        out[1] = [rs * r * 1.5, (rr - rs) * 3.0, (s - r * 2.0) * 6.0];
-        out[2] = [rs * s * 1.5, (rs - ss) * 3.0, (r - s * 2.0) * 6.0];
-        out[M - 1] = [ss * s, ss * 3.0, s * 6.0];
-    }
-    out
+fn open(x: Lanes) -> Lanes {
+    x.min(Lanes::splat(1.0) - x)
 }
 
-/// Value, u, v, uu, uv, vv of eight places of one net.
+/// The operations of [`descend`](Geometry::descend), in the same order, for the usual case: the Hessian is positive
+/// definite and its step stays inside the patch.
 #[inline(always)]
-fn jets<const M: usize, const N: usize>(
-    net: &[Homogeneous],
-    s: Lanes,
-    t: Lanes,
-    rational: bool,
-) -> [Wide; 6] {
-    let (bu, bv) = (basis::<M>(s), basis::<N>(t));
-    let zero = Lanes::splat(0.0);
-    let mut a = [[zero; 4]; 6];
-    // The weights of a polynomial patch are not summed: three coordinates are enough.
-    let coordinates = if rational { 4 } else { 3 };
-    for i in 0..M {
-        for c in 0..coordinates {
-            let mut row = [zero; 3];
-            for j in 0..N {
-                let value = net[i * N + j][c];
-                for d in 0..3 {
-                    row[d] = row[d] + bv[j][d] * value;
-                }
-            }
-            for (slot, (k, d)) in [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)].into_iter().enumerate() {
-                a[slot][c] = a[slot][c] + row[d] * bu[i][k];
-            }
-        }
-    }
-    if rational {
-        divide(&mut a);
-    }
-    a
-}
-
-/// The quotient rule, lane by lane.
-#[inline(always)]
-fn divide(a: &mut [Wide; 6]) {
-    let w = [a[0][3], a[1][3], a[2][3], a[3][3], a[4][3], a[5][3]];
-    let mut inverse = w[0];
-    for l in 0..WIDTH {
-        inverse.0[l] = 1.0 / w[0].0[l];
-    }
-    for c in 0..3 {
-        let p = a[0][c] * inverse;
-        let u = (a[1][c] - p * w[1]) * inverse;
-        let v = (a[2][c] - p * w[2]) * inverse;
-        a[3][c] = (a[3][c] - u * w[1] * 2.0 - p * w[3]) * inverse;
-        a[4][c] = (a[4][c] - u * w[2] - v * w[1] - p * w[4]) * inverse;
-        a[5][c] = (a[5][c] - v * w[2] * 2.0 - p * w[5]) * inverse;
-        (a[0][c], a[1][c], a[2][c]) = (p, u, v);
-    }
+fn round<const N: usize, const C: usize>(net: &[f64], places: &Places, size: f64) -> Round {
+    let half = Lanes::splat(0.5);
+    let [s, t] = places.local;
+    let jets = power::lane_jets(&power::jet::<N, Wide<C>>(net, s - half, t - half));
+    let [point, du, dv, duu, duv, dvv] = &jets;
+    let r = [point[0] - places.y[0], point[1] - places.y[1], point[2] - places.y[2]];
+    let distance_sq = dot(&r, &r);
+    let gradient @ [gs, gt] = [dot(du, &r), dot(dv, &r)];
+    let metric @ [ess, est, ett] = [dot(du, du), dot(du, dv), dot(dv, dv)];
+    let hessian @ [hss, hst, htt] = [ess + dot(duu, &r), est + dot(duv, &r), ett + dot(dvv, &r)];
+    let det = hss * htt - hst * hst;
+    let inverse = Lanes::splat(1.0) / det;
+    let step = [(hst * gt - htt * gs) * inverse, (hst * gs - hss * gt) * inverse];
+    let target = [s + step[0], t + step[1]];
+    let size_sq = size * size;
+    let floor = LAST_SHARE[1] * size;
+    let length_sq = step[0] * step[0] * ess + step[1] * step[1] * ett;
+    // Every condition is that some number is positive; all of them hold if the smallest one is.
+    let noise = (distance_sq + Lanes::splat(size_sq)) * SLOPE_NOISE_SQ;
+    let slope = (gs * gs - noise * ess).max(gt * gt - noise * ett);
+    let definite = (det - ess * DEFINITE * ett).min(hss).min(slope);
+    let still = Lanes::splat(STANDSTILL * STANDSTILL * size_sq);
+    let moving = (ess - still).min(ett - still);
+    let inside = open(s).min(open(t)).min(open(target[0])).min(open(target[1]));
+    // Adds nothing, or NaN where something is not finite.
+    let finite = (target[0] + target[1] + distance_sq) * 0.0;
+    let good = definite.min(moving).min(inside) + finite;
+    let plain = good.positive() & (places.before_sq * GROWTH - distance_sq).not_negative();
+    let limit = Lanes::splat(LAST_STEP);
+    let short = (distance_sq * (LAST_SHARE[0] * LAST_SHARE[0])).max(Lanes::splat(floor * floor));
+    let small = (limit - step[0].abs()).min(limit - step[1].abs());
+    let last = small.positive() & (short - length_sq).not_negative();
+    Round { jets, distance_sq, gradient, metric, hessian, step, target, plain, last }
 }

@@ -1,66 +1,43 @@
 //! Bézier patches of one or several surfaces, prepared for the search.
 
-use super::bernstein::{basis_jet, binomial};
 use super::cells::Cells;
-use super::lanes::{Lanes, Row, WIDTH, add_scaled, zero_row};
+use super::geometry::{Geometry, Homogeneous, Patch};
+use super::lanes::{Lanes, Row, WIDTH};
+use super::pole::Pole;
+use super::products::{Products, elevate_row, product, splitting_rows};
 use super::scratch::Scratch;
+use super::seeds::Sampling;
 use super::tree::{Bounds, BoxTree};
 use crate::projector::pool::Pool;
 use nalgebra::Vector3;
-use nurbs_core::{BezierPatch, BsplineSurface, Interval, MAX_DEGREE, SurfaceJet};
+use nurbs_core::{BezierPatch, BsplineSurface};
+use std::ops::Deref;
 
-/// A point of the homogeneous control net: `w (p − centre)` and `w`.
-pub(crate) type Homogeneous = [f64; 4];
-
-/// One patch: where it lies, and where its coefficients begin in the arenas.
-#[derive(Clone, Debug)]
-pub(crate) struct Patch {
-    /// Index of its surface.
-    pub(crate) shape: usize,
-    /// Row and column in the grid of patches of that surface.
-    pub(crate) cell: [usize; 2],
-    pub(crate) degrees: [usize; 2],
-    pub(crate) rational: bool,
-    /// Origin of the coordinates in which the net is stored.
-    pub(crate) centre: Vector3<f64>,
-    pub(crate) intervals: [Interval; 2],
-    /// Bounds of the squared weight function.
-    pub(crate) min_weight_sq: f64,
-    pub(crate) max_weight_sq: f64,
-    net: usize,
-    form: usize,
-}
-
-impl Patch {
-    /// Number of rows of the squared distance form, `2 degree_u + 1`.
-    #[inline(always)]
-    pub(crate) fn rows(&self) -> usize {
-        2 * self.degrees[0] + 1
-    }
-
-    /// Parameters of the whole surface at the local `(s, t)` in `[0, 1]²`.
-    pub(crate) fn parameter(&self, s: f64, t: f64) -> [f64; 2] {
-        [self.intervals[0].lerp(s), self.intervals[1].lerp(t)]
-    }
-}
-
-/// All patches of a model; rows of squared distance forms have `8 K` coefficients.
+/// All patches of a model, rows of squared distance forms with `8 K` coefficients, and a tree to find the nearest.
 ///
 /// For the local query `y = x − centre` the squared distance, times the squared weight function, is the
 /// polynomial `A − 2 ⟨y, B⟩ + |y|² W` with `A = |wS|²`, `B = w·wS`, `W = w²`: all three are stored in Bernstein
 /// form of degree `2p < 8K` in `u` and `8K − 1 ≥ 2q` in `v`.
 #[derive(Clone, Debug)]
 pub(crate) struct PatchSet<const K: usize> {
-    pub(crate) patches: Vec<Patch>,
-    pub(crate) cells: Vec<Cells>,
+    geometry: Geometry,
     pub(crate) tree: BoxTree<3>,
-    /// Largest side of the bounding box of everything.
-    pub(crate) size: f64,
     /// `halves[0]`, `halves[1]`: row `j` is what coefficient `j` contributes to the lower and upper half.
     pub(crate) halves: [Vec<Row<K>>; 2],
-    nets: Vec<Homogeneous>,
+    pub(crate) products: Products<K>,
+    pub(super) sampling: Sampling<K>,
     forms: Vec<Row<K>>,
     pub(crate) scratch: Pool<Scratch<K>>,
+}
+
+/// A patch set is its geometry, and more.
+impl<const K: usize> Deref for PatchSet<K> {
+    type Target = Geometry;
+
+    #[inline(always)]
+    fn deref(&self) -> &Geometry {
+        &self.geometry
+    }
 }
 
 impl<const K: usize> PatchSet<K> {
@@ -69,15 +46,15 @@ impl<const K: usize> PatchSet<K> {
 
     pub(crate) fn new<'a>(surfaces: impl Iterator<Item = &'a BsplineSurface>) -> Self {
         let mut set = Self {
-            patches: Vec::new(),
-            cells: Vec::new(),
+            geometry: Geometry::default(),
             tree: BoxTree::new(&[]),
-            size: 0.0,
-            halves: halving_rows(),
-            nets: Vec::new(),
+            halves: [Vec::new(), Vec::new()],
+            products: Products::default(),
+            sampling: Sampling::default(),
             forms: Vec::new(),
             scratch: Pool::default(),
         };
+        splitting_rows(0.5, &mut set.halves);
         let mut boxes: Vec<Bounds<3>> = Vec::new();
         for (shape, surface) in surfaces.enumerate() {
             let first = set.patches.len();
@@ -86,39 +63,37 @@ impl<const K: usize> PatchSet<K> {
                 boxes.push(bounds(&patch.control_points));
                 set.push(shape, [index / columns, index % columns], patch);
             }
-            let cells = Cells::new(surface, first, columns, &set);
-            set.cells.push(cells);
+            let cells = Cells::new(surface, first, columns, &set.geometry);
+            set.geometry.cells.push(cells);
         }
-        set.size = extent(&boxes);
+        set.geometry.size = extent(&boxes);
         set.tree = BoxTree::new(&boxes);
         set
     }
 
     fn push(&mut self, shape: usize, cell: [usize; 2], patch: &BezierPatch) {
         let [low, high] = bounds(&patch.control_points);
-        let centre = 0.5 * (Vector3::from(low) + Vector3::from(high));
+        let pole = Pole::find(patch);
+        let middle = 0.5 * (Vector3::from(low) + Vector3::from(high));
+        let centre = pole.map_or(middle, |pole| pole.point(patch));
         let weight = |i: usize| patch.weights.as_ref().map_or(1.0, |w| w[i]);
-        let net: Vec<Homogeneous> = (patch.control_points.iter().enumerate())
+        let mut net: Vec<Homogeneous> = (patch.control_points.iter().enumerate())
             .map(|(i, p)| {
                 let (q, w) = ((p - centre) * weight(i), weight(i));
                 [q.x, q.y, q.z, w]
             })
             .collect();
-        let (min, max) = net.iter().fold((f64::INFINITY, 0.0f64), |(a, b), p| (a.min(p[3]), b.max(p[3])));
-        self.patches.push(Patch {
-            min_weight_sq: min * min,
-            max_weight_sq: max * max,
-            shape,
-            cell,
-            degrees: patch.degrees,
-            rational: patch.weights.is_some(),
-            centre,
-            intervals: patch.intervals,
-            net: self.nets.len(),
-            form: self.forms.len(),
-        });
+        if let Some(pole) = pole {
+            // Equal up to rounding errors, and now exactly.
+            pole.edge(patch.degrees).for_each(|i| net[i][..3].fill(0.0));
+        }
+        for degree in patch.degrees {
+            self.products.add(degree);
+        }
+        let form = self.forms.len();
+        self.sampling.prepare(2 * patch.degrees[0]);
         self.push_form(&net, patch.degrees, patch.weights.is_some());
-        self.nets.extend(net);
+        self.geometry.push(shape, cell, patch, centre, pole, net, form);
     }
 
     /// Appends the rows of `A`, `B` (three coordinates) and, if rational, `W`.
@@ -133,38 +108,7 @@ impl<const K: usize> PatchSet<K> {
         }
     }
 
-    /// As [`form`](Self::form), on a box of the patch and with differences taken before products, so that the
-    /// rounding errors are small against the coefficients however small these are.
-    pub(crate) fn fine_form(
-        &self,
-        patch: &Patch,
-        y: &Vector3<f64>,
-        region: &super::scratch::Region,
-        limit_sq: f64,
-        out: &mut [Row<K>],
-    ) {
-        let [p, q] = patch.degrees;
-        let mut net: Vec<Homogeneous> = self.nets[patch.net..patch.net + (p + 1) * (q + 1)]
-            .iter()
-            .map(|c| [c[0] - c[3] * y.x, c[1] - c[3] * y.y, c[2] - c[3] * y.z, c[3]])
-            .collect();
-        for j in 0..=q {
-            restrict(&mut net, j, q + 1, p, region.low[0], region.high[0]);
-        }
-        for i in 0..=p {
-            restrict(&mut net, i * (q + 1), 1, q, region.low[1], region.high[1]);
-        }
-        let product = product(&net, patch.degrees, |a, b| {
-            [a[0] * b[0] + a[1] * b[1] + a[2] * b[2] - limit_sq * (a[3] * b[3])]
-        });
-        for (row, out) in product.chunks(2 * q + 1).zip(out) {
-            *out = elevate_row(row.iter().map(|c| c[0]));
-        }
-    }
-
     /// Bernstein coefficients of `w² (|S − x|² − limit_sq)` on the patch; `y` is `x − centre`.
-    ///
-    /// Returns the size of the terms that were summed, of which rounding errors are a share.
     #[inline(always)]
     pub(crate) fn form(&self, patch: &Patch, y: &Vector3<f64>, limit_sq: f64, out: &mut [Row<K>]) {
         let rows = patch.rows();
@@ -195,231 +139,10 @@ impl<const K: usize> PatchSet<K> {
         patch.rational.then(|| &self.forms[patch.form + 4 * rows..patch.form + 5 * rows])
     }
 
-    /// The jet at the local `(s, t)` with derivatives by local parameters; points relative to the centre.
-    #[inline(always)]
-    pub(crate) fn jet(&self, patch: &Patch, s: f64, t: f64) -> SurfaceJet {
-        let [p, q] = patch.degrees;
-        let net = self.net(patch);
-        let a = match (p, q) {
-            (3, 3) => fixed_jet::<4, 4>(net, s, t),
-            (2, 2) => fixed_jet::<3, 3>(net, s, t),
-            (1, 1) => fixed_jet::<2, 2>(net, s, t),
-            _ => general_jet(net, p, q, s, t),
-        };
-        let v = |k: usize| Vector3::new(a[k][0], a[k][1], a[k][2]);
-        if !patch.rational {
-            return SurfaceJet { point: v(0), du: v(1), dv: v(2), duu: v(3), duv: v(4), dvv: v(5) };
-        }
-        let w = |k: usize| a[k][3];
-        let inverse = 1.0 / w(0);
-        let point = v(0) * inverse;
-        let du = (v(1) - point * w(1)) * inverse;
-        let dv = (v(2) - point * w(2)) * inverse;
-        SurfaceJet {
-            point,
-            du,
-            dv,
-            duu: (v(3) - du * (2.0 * w(1)) - point * w(3)) * inverse,
-            duv: (v(4) - du * w(2) - dv * w(1) - point * w(4)) * inverse,
-            dvv: (v(5) - dv * (2.0 * w(2)) - point * w(5)) * inverse,
-        }
-    }
-
-    /// The homogeneous control net.
-    #[inline(always)]
-    pub(crate) fn net(&self, patch: &Patch) -> &[Homogeneous] {
-        &self.nets[patch.net..patch.net + (patch.degrees[0] + 1) * (patch.degrees[1] + 1)]
-    }
-
-    /// The point alone, relative to the centre.
-    #[inline(always)]
-    pub(crate) fn point(&self, patch: &Patch, s: f64, t: f64) -> Vector3<f64> {
-        let [p, q] = patch.degrees;
-        let net = self.net(patch);
-        let mut bu = [[0.0; 3]; MAX_DEGREE + 1];
-        let mut bv = [[0.0; 3]; MAX_DEGREE + 1];
-        basis_jet(p, s, &mut bu[..=p]);
-        basis_jet(q, t, &mut bv[..=q]);
-        let mut a = [0.0; 4];
-        for i in 0..=p {
-            let mut r = [0.0; 4];
-            for j in 0..=q {
-                axpy(&mut r, &net[i * (q + 1) + j], bv[j][0]);
-            }
-            axpy(&mut a, &r, bu[i][0]);
-        }
-        let point = Vector3::new(a[0], a[1], a[2]);
-        if patch.rational { point / a[3] } else { point }
-    }
-
     /// Bytes of the prepared data.
     pub(crate) fn memory(&self) -> usize {
-        size_of_val(&self.nets[..])
-            + size_of_val(&self.forms[..])
-            + size_of_val(&self.patches[..])
-            + self.tree.memory()
+        self.geometry.memory() + size_of_val(&self.forms[..]) + self.tree.memory()
     }
-}
-
-/// Bernstein coefficients of products of a net with itself, row-major in degrees `(2p, 2q)`.
-fn product<const N: usize>(
-    net: &[Homogeneous],
-    [p, q]: [usize; 2],
-    multiply: impl Fn(&Homogeneous, &Homogeneous) -> [f64; N],
-) -> Vec<[f64; N]> {
-    let columns = 2 * q + 1;
-    let mut out = vec![[0.0; N]; (2 * p + 1) * columns];
-    // Products of Bernstein polynomials are convolutions of the coefficients, up to binomials.
-    let share = |n: usize, i: usize, j: usize| binomial(n, i) * binomial(n, j) / binomial(2 * n, i + j);
-    let shares_v: Vec<f64> = (0..(q + 1) * (q + 1)).map(|k| share(q, k / (q + 1), k % (q + 1))).collect();
-    for i in 0..=p {
-        for k in 0..=p {
-            let share_u = share(p, i, k);
-            for j in 0..=q {
-                for l in 0..=q {
-                    let factor = share_u * shares_v[j * (q + 1) + l];
-                    let value = multiply(&net[i * (q + 1) + j], &net[k * (q + 1) + l]);
-                    let slot = &mut out[(i + k) * columns + j + l];
-                    for c in 0..N {
-                        slot[c] += factor * value[c];
-                    }
-                }
-            }
-        }
-    }
-    out
-}
-
-/// Coefficients raised to the degree of a row, one degree at a time.
-fn elevate_row<const K: usize>(coefficients: impl ExactSizeIterator<Item = f64>) -> Row<K> {
-    let mut degree = coefficients.len() - 1;
-    let mut flat = [[0.0; WIDTH]; K];
-    let b = flat.as_flattened_mut();
-    for (slot, value) in b.iter_mut().zip(coefficients) {
-        *slot = value;
-    }
-    while degree < WIDTH * K - 1 {
-        degree += 1;
-        b[degree] = b[degree - 1];
-        for j in (1..degree).rev() {
-            let share = j as f64 / degree as f64;
-            b[j] = share * b[j - 1] + (1.0 - share) * b[j];
-        }
-    }
-    flat.map(Lanes)
-}
-
-/// Bézier points `net[first + k · stride]`, `k = 0..=n`, restricted to the parameters from `low` to `high`.
-fn restrict(net: &mut [Homogeneous], first: usize, stride: usize, n: usize, low: f64, high: f64) {
-    let mut blend = |a: usize, b: usize, to: usize, s: f64| {
-        for c in 0..4 {
-            net[to][c] = (1.0 - s) * net[a][c] + s * net[b][c];
-        }
-    };
-    let at = |k: usize| first + k * stride;
-    if high < 1.0 {
-        for level in 1..=n {
-            for k in (level..=n).rev() {
-                blend(at(k - 1), at(k), at(k), high);
-            }
-        }
-    }
-    if low > 0.0 {
-        let s = low / high;
-        for level in 1..=n {
-            for k in 0..=n - level {
-                blend(at(k), at(k + 1), at(k), s);
-            }
-        }
-    }
-}
-
-#[inline(always)]
-fn axpy(to: &mut [f64; 4], from: &[f64; 4], factor: f64) {
-    for c in 0..4 {
-        to[c] += from[c] * factor;
-    }
-}
-
-/// Value, u, v, uu, uv, vv of a net of `M x N` points.
-#[inline(always)]
-fn fixed_jet<const M: usize, const N: usize>(net: &[Homogeneous], s: f64, t: f64) -> [[f64; 4]; 6] {
-    let mut bu = [[0.0; 3]; M];
-    let mut bv = [[0.0; 3]; N];
-    basis_jet(M - 1, s, &mut bu);
-    basis_jet(N - 1, t, &mut bv);
-    let mut a = [[0.0; 4]; 6];
-    for i in 0..M {
-        let mut r = [[0.0; 4]; 3];
-        for j in 0..N {
-            for d in 0..3 {
-                axpy(&mut r[d], &net[i * N + j], bv[j][d]);
-            }
-        }
-        accumulate(&mut a, &r, &bu[i]);
-    }
-    a
-}
-
-#[inline(always)]
-fn accumulate(a: &mut [[f64; 4]; 6], r: &[[f64; 4]; 3], b: &[f64; 3]) {
-    axpy(&mut a[0], &r[0], b[0]);
-    axpy(&mut a[1], &r[0], b[1]);
-    axpy(&mut a[2], &r[1], b[0]);
-    axpy(&mut a[3], &r[0], b[2]);
-    axpy(&mut a[4], &r[1], b[1]);
-    axpy(&mut a[5], &r[2], b[0]);
-}
-
-fn general_jet(net: &[Homogeneous], p: usize, q: usize, s: f64, t: f64) -> [[f64; 4]; 6] {
-    let mut bu = [[0.0; 3]; MAX_DEGREE + 1];
-    let mut bv = [[0.0; 3]; MAX_DEGREE + 1];
-    basis_jet(p, s, &mut bu[..=p]);
-    basis_jet(q, t, &mut bv[..=q]);
-    let mut a = [[0.0; 4]; 6];
-    for i in 0..=p {
-        let mut r = [[0.0; 4]; 3];
-        for j in 0..=q {
-            for d in 0..3 {
-                axpy(&mut r[d], &net[i * (q + 1) + j], bv[j][d]);
-            }
-        }
-        accumulate(&mut a, &r, &bu[i]);
-    }
-    a
-}
-
-/// Rows that take a polynomial of degree `8 K − 1` to its lower and upper half.
-fn halving_rows<const K: usize>() -> [Vec<Row<K>>; 2] {
-    let n = WIDTH * K - 1;
-    let rows = |share: &dyn Fn(usize, usize) -> f64| {
-        (0..=n)
-            .map(|j| {
-                let mut row = zero_row::<K>();
-                for l in 0..=n {
-                    row[l / WIDTH].0[l % WIDTH] = share(j, l);
-                }
-                row
-            })
-            .collect::<Vec<_>>()
-    };
-    let power = |k: usize| 0.5f64.powi(i32::try_from(k).unwrap_or(i32::MAX));
-    [
-        rows(&|j, l| if j <= l { binomial(l, j) * power(l) } else { 0.0 }),
-        rows(&|j, l| if j >= l { binomial(n - l, j - l) * power(n - l) } else { 0.0 }),
-    ]
-}
-
-/// `row` restricted to one of the halves given by [`PatchSet::halves`].
-#[inline(always)]
-pub(crate) fn halve_row<const K: usize>(row: &Row<K>, half: &[Row<K>]) -> Row<K> {
-    let mut out = zero_row::<K>();
-    for k in 0..K {
-        for l in 0..WIDTH {
-            add_scaled(&mut out, &half[k * WIDTH + l], row[k].0[l]);
-        }
-    }
-    out
 }
 
 pub(crate) fn bounds(points: &[Vector3<f64>]) -> Bounds<3> {

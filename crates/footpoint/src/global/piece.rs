@@ -4,6 +4,7 @@ use super::bernstein::{basis_jet, binomial, elevation_matrix};
 use super::cells::unit;
 use super::lanes::{Lanes, Row, WIDTH, zero_row};
 use super::search_curve::CurveScratch;
+use super::seeds::Sampling;
 use super::tree::{Bounds, BoxTree};
 use crate::projector::pool::Pool;
 use nalgebra::SVector;
@@ -43,6 +44,7 @@ pub(crate) struct PieceSet<const D: usize, const K: usize> {
     /// First piece of each curve, and breakpoints of its spans.
     curves: Vec<(usize, Vec<f64>)>,
     points: Vec<(SVector<f64, D>, f64)>,
+    pub(super) sampling: Sampling<K>,
     forms: Vec<Row<K>>,
     pub(crate) scratch: Pool<CurveScratch<K>>,
 }
@@ -58,6 +60,7 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
             size: 0.0,
             curves: Vec::new(),
             points: Vec::new(),
+            sampling: Sampling::default(),
             forms: Vec::new(),
             scratch: Pool::default(),
         };
@@ -185,25 +188,27 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
     /// The jet at the local parameter, relative to the centre.
     #[inline(always)]
     pub(crate) fn jet(&self, piece: &Piece<D>, s: f64) -> CurveJet<D> {
+        match piece.degree {
+            1 => self.fixed_jet::<2>(piece, s),
+            2 => self.fixed_jet::<3>(piece, s),
+            3 => self.fixed_jet::<4>(piece, s),
+            _ => self.general_jet(piece, s),
+        }
+    }
+
+    /// The jet of a piece with `N` control points.
+    #[inline(always)]
+    fn fixed_jet<const N: usize>(&self, piece: &Piece<D>, s: f64) -> CurveJet<D> {
+        let mut basis = [[0.0; 3]; N];
+        basis_jet(N - 1, s, &mut basis);
+        sum(&self.points[piece.first..][..N], &basis, piece.rational)
+    }
+
+    fn general_jet(&self, piece: &Piece<D>, s: f64) -> CurveJet<D> {
         let p = piece.degree;
-        let points = &self.points[piece.first..=piece.first + p];
         let mut basis = [[0.0; 3]; MAX_DEGREE + 1];
         basis_jet(p, s, &mut basis[..=p]);
-        let mut a = [SVector::<f64, D>::zeros(); 3];
-        let mut w = [0.0; 3];
-        for ((point, weight), b) in points.iter().zip(&basis) {
-            for k in 0..3 {
-                a[k] += point * b[k];
-                w[k] += weight * b[k];
-            }
-        }
-        if !piece.rational {
-            return CurveJet { point: a[0], d1: a[1], d2: a[2] };
-        }
-        let inverse = 1.0 / w[0];
-        let point = a[0] * inverse;
-        let d1 = (a[1] - point * w[1]) * inverse;
-        CurveJet { point, d1, d2: (a[2] - d1 * (2.0 * w[1]) - point * w[2]) * inverse }
+        sum(&self.points[piece.first..=piece.first + p], &basis[..=p], piece.rational)
     }
 
     /// Squared distance of `x` from the point at the local parameter.
@@ -220,6 +225,30 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
             + size_of_val(&self.pieces[..])
             + self.tree.memory()
     }
+}
+
+/// The jet from control points, times their weights, with the weights, and the basis functions.
+#[inline(always)]
+fn sum<const D: usize>(points: &[(SVector<f64, D>, f64)], basis: &[[f64; 3]], rational: bool) -> CurveJet<D> {
+    let mut a = [SVector::<f64, D>::zeros(); 3];
+    for ((point, _), b) in points.iter().zip(basis) {
+        for k in 0..3 {
+            a[k] += point * b[k];
+        }
+    }
+    if !rational {
+        return CurveJet { point: a[0], d1: a[1], d2: a[2] };
+    }
+    let mut w = [0.0; 3];
+    for ((_, weight), b) in points.iter().zip(basis) {
+        for k in 0..3 {
+            w[k] += weight * b[k];
+        }
+    }
+    let inverse = 1.0 / w[0];
+    let point = a[0] * inverse;
+    let d1 = (a[1] - point * w[1]) * inverse;
+    CurveJet { point, d1, d2: (a[2] - d1 * (2.0 * w[1]) - point * w[2]) * inverse }
 }
 
 pub(crate) fn bounds<const D: usize>(points: &[SVector<f64, D>]) -> Bounds<D> {

@@ -6,18 +6,20 @@
 //! - `G` is monotone in one parameter: its minimum lies on an edge (shared with another box, or a polynomial of
 //!   one variable on the border of the patch);
 //! - `G` is strictly convex: its only minimum is found by Newton's method;
-//! - `G` is strictly convex in one parameter and its *ridge*, the line through the footpoint, stays above zero
-//!   by more than the slope across it can take away. This settles axes and centres, where whole curves of
-//!   points are equally near.
+//! - the polynomials of one parameter that `G` consists of are strictly convex, and so are their minima (see
+//!   [`valley`](super::valley)).
+//!
+//! Where the footpoint is close, or next to a pole, boxes are not cut in the middle but around it.
 
-use super::box_tests::{Bends, argmin, bends, edge, evaluate, largest, ridge_u, ridge_v, sag_direction};
+use super::box_tests::{Bends, argmin, bends, edge, evaluate, sag_direction};
 use super::descend::Foot;
 use super::dispatch::vectorized;
 use super::gap::Gap;
 use super::lanes::{Row, WIDTH, row_min, widen, zero_row};
 use super::line::{LineProof, Segment, prove_line};
-use super::patch::{Patch, PatchSet, halve_row};
+use super::patch::PatchSet;
 use super::scratch::{Region, Scratch};
+use super::valley::{is_promising_u, is_promising_v, transpose, valley};
 use nalgebra::Vector3;
 
 /// Halvings, in both directions together, after which a box is left as it is.
@@ -25,6 +27,9 @@ const MAX_DEPTH: u32 = 80;
 
 /// Improvement of the squared distance below which a place counts as the same minimum.
 const IMPROVEMENT: f64 = 1e-13;
+
+/// Rounding errors, as a share of the allowed gap, that do not matter.
+const HARMLESS: f64 = 0.25;
 
 /// What one box of a patch says.
 enum Verdict {
@@ -83,32 +88,25 @@ impl<const K: usize> PatchSet<K> {
             scratch.regions.clear();
             scratch.rows.resize(m, zero_row());
             self.form(patch, &y, limit_sq, &mut scratch.rows[..m]);
-            scratch.regions.push(Region::UNIT);
-            // Rounding errors are a share of the terms that cancel, not of the small result.
-            let scale = largest(&scratch.rows[..m]) + y.norm_squared() * patch.max_weight_sq;
-            let noise = 4.0 * f64::EPSILON * scale;
+            let noise = self.noise(patch, &y, &Region::UNIT);
+            scratch.regions.push(Region { noise, ..Region::UNIT });
             let tie = (best.distance_sq * (1.0 + 4.0 * gap.tie) - limit_sq) * patch.max_weight_sq;
-            let close = noise > 0.25 * (best.distance_sq - limit_sq) * patch.min_weight_sq;
-            let mut unresolved = if close { 0.0 } else { -noise };
+            // Rounding errors up to this do not matter.
+            let harmless = HARMLESS * (best.distance_sq - limit_sq) * patch.min_weight_sq;
+            let way = self.way_from_pole(patch, &y, best);
+            let mut unresolved = 0.0f64;
             while let Some(region) = scratch.regions.pop() {
                 boxes += 1;
                 let first = scratch.regions.len() * m;
                 let mut rows = std::mem::take(&mut scratch.current);
                 rows.clear();
-                let levels = if region.fine {
-                    rows.resize(m, zero_row());
-                    self.fine_form(patch, &y, &region, limit_sq, &mut rows);
-                    let noise = 16.0 * f64::EPSILON * largest(&rows);
-                    // Large boxes must be decided clearly; in small ones the rounding errors do not matter.
-                    let matters = noise > 0.01 * (best.distance_sq - limit_sq) * patch.min_weight_sq;
-                    if !matters {
-                        unresolved = unresolved.min(-noise);
-                    }
-                    Levels { noise, floor: if matters { noise } else { -noise }, tie }
-                } else {
-                    rows.extend_from_slice(&scratch.rows[first..first + m]);
-                    Levels { noise, floor: if close { noise } else { -noise }, tie }
-                };
+                rows.extend_from_slice(&scratch.rows[first..first + m]);
+                let noise = region.noise;
+                let close = noise > harmless;
+                if !close {
+                    unresolved = unresolved.min(-noise);
+                }
+                let levels = Levels { noise, floor: if close { noise } else { -noise }, tie };
                 let focus = (best.patch == index).then_some(best.local);
                 match self.judge(&rows, &region, focus, &levels, index, scratch) {
                     Verdict::Dropped => {}
@@ -126,7 +124,7 @@ impl<const K: usize> PatchSet<K> {
                         unresolved = unresolved.min(min);
                     }
                     Verdict::Undecided(direction, _) => {
-                        if close && !region.fine {
+                        if close && region.depth == 0 {
                             // Before the fine arithmetic: is there something nearer where the form is lowest?
                             let found = self.descend(x, index, region.place(argmin(&rows)), 30);
                             best.steps += found.steps;
@@ -136,39 +134,28 @@ impl<const K: usize> PatchSet<K> {
                                 continue 'restart;
                             }
                         }
+                        let (direction, at) = match self.cut_at_pole(patch, &region, way) {
+                            Some(cut) => cut,
+                            None if close && best.patch == index => {
+                                (direction, self.cut_close(&region, direction, best, patch))
+                            }
+                            None => (direction, 0.5),
+                        };
                         scratch.rows.resize(first + 2 * m, zero_row());
-                        if close {
-                            let at = self.split_place(&region, direction, best, index, patch);
-                            let halves = region.split(direction, at);
-                            scratch.regions.extend(halves.map(|half| Region { fine: true, ..half }));
-                        } else {
-                            self.halve(&rows, direction, &mut scratch.rows[first..]);
-                            scratch.regions.extend(region.split(direction, 0.5));
+                        let both = &mut scratch.rows[first..];
+                        self.split_rows(&rows, direction, at, &mut scratch.splitting, both);
+                        for (part, rows) in region.split(direction, at).into_iter().zip(both.chunks_mut(m)) {
+                            let mut noise = self.noise(patch, &y, &part).min(noise);
+                            if noise > harmless {
+                                noise = self.fine_form(patch, &y, &part, limit_sq, &mut scratch.net, rows);
+                            }
+                            scratch.regions.push(Region { noise, ..part });
                         }
                     }
                 }
                 scratch.current = rows;
             }
             return (limit_sq + unresolved / patch.min_weight_sq).max(0.0);
-        }
-    }
-
-    /// Where to split a box close to the model: in the middle, unless all that matters happens near one side.
-    fn split_place(&self, region: &Region, d: usize, best: &Foot, index: usize, patch: &Patch) -> f64 {
-        if best.patch != index || !(region.low[d]..=region.high[d]).contains(&best.local[d]) {
-            return 0.5;
-        }
-        let at = region.local(best.local)[d];
-        let jet = self.jet(patch, best.local[0], best.local[1]);
-        let speed = if d == 0 { jet.du } else { jet.dv }.norm() * (region.high[d] - region.low[d]);
-        let reach = best.distance_sq.sqrt() / speed.max(f64::MIN_POSITIVE);
-        let (below, above) = (4.0 * at.max(reach), 4.0 * (1.0 - at).max(reach));
-        if below < 0.5 {
-            below
-        } else if above < 0.5 {
-            1.0 - above
-        } else {
-            0.5
         }
     }
 
@@ -210,18 +197,56 @@ impl<const K: usize> PatchSet<K> {
             let start = inside.unwrap_or_else(|| argmin(rows));
             return self.minimize(rows, region, start, strength, levels, index, scratch);
         }
-        if let Some(f) = inside
-            && ((a > 0.0 && ridge_u(rows, f[0], a, levels.floor))
-                || (b > 0.0 && ridge_v(rows, f[1], b, levels.floor)))
+        let [s, t] = inside.unwrap_or_else(|| argmin(rows));
+        if a > 0.0
+            && is_promising_u(rows, min)
+            && let Some(found) = valley(rows, WIDTH * K, s, slack)
+            && found.bound >= levels.floor
         {
-            // Equally near places along the ridge count as ties if they are apart.
-            for s in [0.0, 1.0] {
-                let place = if a > 0.0 { [f[0], s] } else { [s, f[1]] };
-                scratch.note_tie(index, region.place(place));
+            return self.drop_valley(
+                region,
+                found.bound,
+                [[found.ends[0], 0.0], [found.ends[1], 1.0]],
+                levels,
+                index,
+                scratch,
+            );
+        }
+        if b > 0.0 && is_promising_v(rows, min) {
+            transpose(rows, &mut scratch.transposed);
+            if let Some(found) = valley(&scratch.transposed, rows.len(), t, slack)
+                && found.bound >= levels.floor
+            {
+                return self.drop_valley(
+                    region,
+                    found.bound,
+                    [[0.0, found.ends[0]], [1.0, found.ends[1]]],
+                    levels,
+                    index,
+                    scratch,
+                );
             }
-            return Verdict::Dropped;
         }
         Verdict::Undecided(sag_direction(rows), min)
+    }
+
+    /// A box whose valley, from one place to another, is high enough.
+    #[inline(always)]
+    fn drop_valley(
+        &self,
+        region: &Region,
+        bound: f64,
+        ends: [[f64; 2]; 2],
+        levels: &Levels,
+        index: usize,
+        scratch: &mut Scratch<K>,
+    ) -> Verdict {
+        if bound <= levels.tie {
+            for end in ends {
+                scratch.note_tie(index, region.place(end));
+            }
+        }
+        Verdict::Dropped
     }
 
     /// Boxes on which `G` is monotone in a parameter.
@@ -337,29 +362,5 @@ impl<const K: usize> PatchSet<K> {
         }
         // Newton's method with bounds may cycle between them; smaller boxes will not.
         Verdict::Undecided(sag_direction(rows), -0.0)
-    }
-
-    /// The rows of both halves of a box, one after the other.
-    #[inline(always)]
-    pub(crate) fn halve(&self, rows: &[Row<K>], direction: usize, out: &mut [Row<K>]) {
-        let m = rows.len();
-        let (low, high) = out.split_at_mut(m);
-        if direction == 0 {
-            // De Casteljau's scheme on whole rows.
-            high.copy_from_slice(rows);
-            for level in 0..m {
-                low[level] = high[0];
-                for i in 0..m - 1 - level {
-                    for k in 0..K {
-                        high[i][k] = (high[i][k] + high[i + 1][k]) * 0.5;
-                    }
-                }
-            }
-        } else {
-            for (i, row) in rows.iter().enumerate() {
-                low[i] = halve_row(row, &self.halves[0]);
-                high[i] = halve_row(row, &self.halves[1]);
-            }
-        }
     }
 }

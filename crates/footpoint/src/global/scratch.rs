@@ -1,7 +1,10 @@
 //! Working memory of a search, reused from query to query.
 
+use super::descend::Foot;
+use super::geometry::Homogeneous;
 use super::lanes::Row;
 use super::line::Segment;
+use super::seeds::Dip;
 use super::tree::Visit;
 
 /// A box of the local parameter square of a patch.
@@ -10,12 +13,12 @@ pub(crate) struct Region {
     pub(crate) low: [f64; 2],
     pub(crate) high: [f64; 2],
     pub(crate) depth: u32,
-    /// Whether its rows are computed from the control net, relative to the query, and not from its parent's.
-    pub(crate) fine: bool,
+    /// Rounding errors of its rows.
+    pub(crate) noise: f64,
 }
 
 impl Region {
-    pub(crate) const UNIT: Self = Self { low: [0.0; 2], high: [1.0; 2], depth: 0, fine: false };
+    pub(crate) const UNIT: Self = Self { low: [0.0; 2], high: [1.0; 2], depth: 0, noise: 0.0 };
 
     /// Parameters of the patch at box parameters.
     #[inline(always)]
@@ -74,9 +77,20 @@ pub(crate) struct Scratch<const K: usize> {
     pub(crate) rows: Vec<Row<K>>,
     /// The rows of the box at hand.
     pub(crate) current: Vec<Row<K>>,
+    /// Samples of a form, and those of them from which to start.
+    pub(crate) grid: Vec<Row<K>>,
+    pub(crate) dips: Vec<Dip>,
     pub(crate) segments: Vec<Segment<K>>,
+    /// A control net relative to the query.
+    pub(crate) net: Vec<Homogeneous>,
+    /// Rows with the directions exchanged.
+    pub(crate) transposed: Vec<Row<K>>,
+    /// How to split rows elsewhere than in the middle.
+    pub(crate) splitting: [Vec<Row<K>>; 2],
     /// Places that may be as near as the footpoint.
     pub(crate) ties: Vec<(usize, [f64; 2])>,
+    /// Where the iterations from there ended, but for the footpoint.
+    pub(crate) rivals: Vec<Foot>,
 }
 
 /// Ties remembered per query; one that is apart from the footpoint is enough.

@@ -5,7 +5,7 @@ use super::descend::Foot;
 use super::gap::Gap;
 use super::lanes::{row_max, row_min, zero_row};
 use super::patch::PatchSet;
-use super::scratch::{Candidate, Scratch};
+use super::scratch::{Candidate, Region, Scratch};
 use super::tree::{Content, Visit};
 use nalgebra::Vector3;
 
@@ -14,9 +14,6 @@ const MAX_STEPS: u32 = 40;
 
 /// Limit of the local iteration that finishes a footpoint which has not settled.
 const PATIENT_STEPS: u32 = 400;
-
-/// Further local iterations when there is no proof.
-const SECOND_SEEDS: usize = 2;
 
 /// Footpoint and what is proven about it.
 #[derive(Clone, Copy, Debug)]
@@ -41,6 +38,7 @@ impl<const K: usize> PatchSet<K> {
         let mut limit_sq = gap.limit_sq(best.distance_sq);
         scratch.candidates.clear();
         scratch.ties.clear();
+        scratch.rivals.clear();
         scratch.visits.clear();
         scratch.visits.push(Visit::root());
         let query = [x.x, x.y, x.z];
@@ -89,7 +87,7 @@ impl<const K: usize> PatchSet<K> {
             );
         }
         if !prove {
-            self.second_seeds(x, &mut best, scratch);
+            self.second_seeds(x, &mut best, gap, scratch);
             self.settle(x, &mut best);
             return Found { foot: best, bound_sq: 0.0 };
         }
@@ -105,13 +103,15 @@ impl<const K: usize> PatchSet<K> {
                 scratch.note_tie(candidate.patch, candidate.place);
             }
         }
+        bound_sq = bound_sq.min(gap.limit_sq(best.distance_sq));
         self.settle(x, &mut best);
-        Found { foot: best, bound_sq: bound_sq.min(gap.limit_sq(best.distance_sq)) }
+        self.polish(x, &mut best, scratch);
+        Found { foot: best, bound_sq: bound_sq.min(best.distance_sq) }
     }
 
     /// Follows the distance downhill from a candidate.
     #[inline(always)]
-    fn improve(&self, x: &Vector3<f64>, candidate: &Candidate, best: &mut Foot) {
+    pub(super) fn improve(&self, x: &Vector3<f64>, candidate: &Candidate, best: &mut Foot) {
         let found = self.descend(x, candidate.patch, candidate.place, MAX_STEPS);
         let steps = best.steps + found.steps;
         if found.distance_sq < best.distance_sq || (found.settled && found.distance_sq == best.distance_sq) {
@@ -127,22 +127,6 @@ impl<const K: usize> PatchSet<K> {
             let found = self.descend(x, best.patch, best.local, PATIENT_STEPS);
             if found.distance_sq <= best.distance_sq {
                 *best = Foot { steps: best.steps + found.steps, ..found };
-            }
-        }
-    }
-
-    /// Without a proof, the best samples that did not seem worth an iteration get one after all.
-    #[inline(always)]
-    fn second_seeds(&self, x: &Vector3<f64>, best: &mut Foot, scratch: &mut Scratch<K>) {
-        scratch.candidates.retain(|c| c.patch != best.patch && c.sample_sq > best.distance_sq);
-        for _ in 0..SECOND_SEEDS.min(scratch.candidates.len()) {
-            let nearest =
-                scratch.candidates.iter().enumerate().min_by(|a, b| a.1.sample_sq.total_cmp(&b.1.sample_sq));
-            if let Some(index) = nearest.map(|(index, _)| index) {
-                let candidate = scratch.candidates.swap_remove(index);
-                if candidate.box_sq < best.distance_sq {
-                    self.improve(x, &candidate, best);
-                }
             }
         }
     }
@@ -170,7 +154,8 @@ impl<const K: usize> PatchSet<K> {
             super::lanes::widen(&mut low, &mut high, row);
         }
         let min = row_min(&low);
-        if min >= 0.0 && limit_sq > 0.0 {
+        // What is above zero by less than the rounding errors is left to the proof.
+        if min >= 0.0 && limit_sq > 0.0 && min >= self.noise(patch, &y, &Region::UNIT) {
             // Nearly as near as the footpoint: perhaps a second one.
             if min <= 1e-6 * row_max(&high) {
                 let place = argmin(rows);

@@ -12,7 +12,7 @@ use nalgebra::SVector;
 /// A local step shorter than this, in units of the piece, is the last one.
 const LAST_STEP: f64 = 1e-7;
 /// Limit of the local iterations that start inside a search.
-const MAX_STEPS: u32 = 40;
+pub(super) const MAX_STEPS: u32 = 40;
 
 /// Limit of the local iteration that finishes a footpoint which has not settled.
 const PATIENT_STEPS: u32 = 400;
@@ -41,6 +41,8 @@ pub(crate) struct CurveScratch<const K: usize> {
     segments: Vec<Segment<K>>,
     /// Places that may be as near as the footpoint.
     pub(crate) ties: Vec<(usize, f64)>,
+    /// Where the iterations from there ended, but for the footpoint.
+    pub(crate) rivals: Vec<CurveFoot>,
 }
 
 impl<const D: usize, const K: usize> PieceSet<D, K> {
@@ -53,7 +55,13 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
     }
 
     #[inline(always)]
-    fn descend_inline(&self, x: &SVector<f64, D>, piece: usize, local: f64, max_steps: u32) -> CurveFoot {
+    pub(crate) fn descend_inline(
+        &self,
+        x: &SVector<f64, D>,
+        piece: usize,
+        local: f64,
+        max_steps: u32,
+    ) -> CurveFoot {
         let mut best = CurveFoot { piece, local, ..CurveFoot::NONE };
         let (mut index, mut at) = (piece, local);
         let (mut steps, mut taken, mut shrink) = (0, 0.0f64, 1.0);
@@ -136,6 +144,7 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
         let mut limit_sq = gap.limit_sq(best.distance_sq);
         scratch.candidates.clear();
         scratch.ties.clear();
+        scratch.rivals.clear();
         scratch.visits.clear();
         scratch.visits.push(Visit::root());
         let query: [f64; D] = (*x).into();
@@ -187,6 +196,7 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
             best.steps = steps;
         }
         if !prove {
+            self.second_seeds(x, &mut best, gap, &scratch.candidates);
             self.settle(x, &mut best);
             return (best, 0.0);
         }
@@ -201,8 +211,10 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
                 scratch.ties.push((index, argmin(&row)));
             }
         }
+        bound_sq = bound_sq.min(gap.limit_sq(best.distance_sq));
         self.settle(x, &mut best);
-        (best, bound_sq.min(gap.limit_sq(best.distance_sq)))
+        self.polish(x, &mut best, scratch);
+        (best, bound_sq.min(best.distance_sq))
     }
 
     /// Goes on where the steps ran out: near centres of curvature the convergence is only linear.

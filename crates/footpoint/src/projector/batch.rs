@@ -94,19 +94,21 @@ pub(crate) fn run<const D: usize, B: Batch<D>>(
     results
 }
 
-/// Treats slices of fixed length in parallel; the results come in order.
-pub(crate) fn in_chunks<T: Sync, R: Send>(
-    items: &[T],
-    work: impl Fn(&[T], &mut Vec<R>) + Sync,
-) -> Vec<Vec<R>> {
-    items
-        .par_chunks(CHUNK)
-        .map(|chunk| {
-            let mut out = Vec::with_capacity(chunk.len());
-            work(chunk, &mut out);
-            out
-        })
-        .collect()
+/// Treats slices of fixed length of points and their answers in parallel.
+pub(crate) fn zip_chunks<P: Sync, R: Send, W: Default + Send>(
+    points: &[P],
+    answers: &mut [R],
+    length: usize,
+    treat: impl Fn(&[P], &mut [R], &mut W) + Sync,
+) {
+    if points.len() <= length {
+        treat(points, answers, &mut W::default());
+        return;
+    }
+    points
+        .par_chunks(length)
+        .zip(answers.par_chunks_mut(length))
+        .for_each_init(W::default, |work, (points, answers)| treat(points, answers, work));
 }
 
 /// Indices of the points along a space-filling (Morton) curve, so that neighbours in the order are neighbours in

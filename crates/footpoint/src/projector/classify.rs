@@ -3,7 +3,9 @@
 use crate::global::all_feet_line::APART;
 use crate::global::descend::Foot;
 use crate::global::gap::Gap;
-use crate::global::patch::{Patch, PatchSet};
+use crate::global::geometry::{Geometry, Patch};
+use crate::global::patch::PatchSet;
+use crate::global::polish::flattest;
 use crate::global::scratch::Scratch;
 use crate::{Location, Multiplicity, Status, SurfaceFootpoint};
 use nalgebra::Vector3;
@@ -17,6 +19,8 @@ pub(super) const SAME_POINT: f64 = APART;
 pub(super) const ORTHOGONAL: f64 = 1e-6;
 /// Speed, as a share of the size of the model, below which a parameter does not move the point.
 pub(super) const STANDSTILL: f64 = 1e-9;
+/// Decrease of the squared distance, as a share of it, that rounding errors hide.
+pub(super) const NO_GAIN: f64 = 64.0 * f64::EPSILON;
 /// `1 − d κ` below this asks whether the footpoint is one of a continuum.
 pub(super) const FLAT: f64 = 1e-4;
 
@@ -38,26 +42,33 @@ impl SurfaceFootpoint {
     }
 }
 
-impl<const K: usize> PatchSet<K> {
+impl Geometry {
     /// Turns a place into the public result: everything but the bound and the multiplicity.
     #[inline(always)]
     pub(crate) fn finish(&self, x: &Vector3<f64>, foot: &Foot) -> SurfaceFootpoint {
+        let [s, t] = foot.local;
+        self.conclude(x, foot, &self.jet(&self.patches[foot.patch], s, t))
+    }
+
+    /// As [`finish`](Self::finish), when the jet at the place is known.
+    #[inline(always)]
+    pub(crate) fn conclude(&self, x: &Vector3<f64>, foot: &Foot, jet: &SurfaceJet) -> SurfaceFootpoint {
         let patch = &self.patches[foot.patch];
         let [s, t] = foot.local;
-        let jet = self.jet(patch, s, t);
-        let y = x - patch.centre;
-        let r = jet.point - y;
+        let r = jet.point - (x - patch.centre);
         let distance = r.norm();
-        let location = self.location(patch, foot.local, &jet);
-        let stationary = self.is_stationary(patch, foot.local, &jet, &r, distance);
+        let location = self.location(patch, foot.local, jet);
+        let stationary = self.is_stationary(patch, foot.local, jet, &r, distance);
         let at_boundary = matches!(location, Location::Edge | Location::Corner);
         let status = match (stationary, at_boundary) {
+            // Squares of the coordinates overflow.
+            _ if !distance.is_finite() => Status::Diverged,
             (true, true) => Status::OnBoundary,
             (true, false) => Status::Converged,
             (false, _) if foot.settled => Status::Stalled,
             (false, _) => Status::MaxIterations,
         };
-        let side = -outward(foot.local, &jet).dot(&r);
+        let side = -outward(foot.local, jet).dot(&r);
         SurfaceFootpoint {
             shape: patch.shape,
             parameter: patch.parameter(s, t),
@@ -72,7 +83,9 @@ impl<const K: usize> PatchSet<K> {
         }
     }
 
-    /// Whether the derivative of the distance vanishes, or points out of the domain, in each direction.
+    /// Whether the derivative of the distance vanishes, or points out of the domain, in each direction; or, where the
+    /// surface bends so much that parameters are not known well enough for that, whether a step of Newton's method
+    /// would gain nothing.
     #[inline(always)]
     fn is_stationary(
         &self,
@@ -82,17 +95,40 @@ impl<const K: usize> PatchSet<K> {
         r: &Vector3<f64>,
         distance: f64,
     ) -> bool {
-        (0..2).all(|d| {
+        let mut free = [true; 2];
+        let mut slopes = [0.0; 2];
+        let stationary = (0..2).fold(true, |all, d| {
             let tangent = if d == 0 { &jet.du } else { &jet.dv };
-            let (slope, speed) = (tangent.dot(r), tangent.norm());
+            let (slope, speed_sq) = (tangent.dot(r), tangent.norm_squared());
+            slopes[d] = slope;
             // At a pole or cusp the parameterisation stands still: its direction is that of rounding errors.
-            let still = speed <= STANDSTILL * self.size;
-            let small = still || slope.abs() <= speed * (ORTHOGONAL * distance).max(1e-11 * self.size);
+            let (standstill, tolerance) =
+                (STANDSTILL * self.size, (ORTHOGONAL * distance).max(1e-11 * self.size));
+            let still = speed_sq <= standstill * standstill;
+            let small = still || slope * slope <= speed_sq * (tolerance * tolerance);
             let blocked = (local[d] <= 0.0 && slope > 0.0) || (local[d] >= 1.0 && slope < 0.0);
             // Inside the model a border of a patch blocks only where the surface has a kink.
             let end = usize::from(local[d] >= 1.0);
-            small || (blocked && self.cells[patch.shape].across(patch.cell, d, end).is_none())
-        })
+            free[d] = !(still || blocked && self.cells[patch.shape].across(patch.cell, d, end).is_none());
+            all && (small || !free[d])
+        });
+        let bends =
+            [(&jet.du, &jet.du, &jet.duu), (&jet.du, &jet.dv, &jet.duv), (&jet.dv, &jet.dv, &jet.dvv)];
+        stationary || {
+            let [hss, hst, htt] = bends.map(|(a, b, second)| a.dot(b) + second.dot(r));
+            let [gs, gt] = slopes;
+            let gain = match free {
+                [true, true] => {
+                    let det = hss * htt - hst * hst;
+                    let product = htt * gs * gs - 2.0 * hst * gs * gt + hss * gt * gt;
+                    if hss > 0.0 && det > 0.0 { product / det } else { f64::INFINITY }
+                }
+                [true, false] if hss > 0.0 => gs * gs / hss,
+                [false, true] if htt > 0.0 => gt * gt / htt,
+                _ => f64::INFINITY,
+            };
+            gain <= NO_GAIN * distance * distance
+        }
     }
 
     #[inline(always)]
@@ -125,7 +161,9 @@ impl<const K: usize> PatchSet<K> {
             _ => Location::Interior,
         }
     }
+}
 
+impl<const K: usize> PatchSet<K> {
     /// Whether another point, apart from the footpoint, is as near.
     pub(crate) fn multiplicity(
         &self,
@@ -142,8 +180,7 @@ impl<const K: usize> PatchSet<K> {
             return Multiplicity::Continuum;
         }
         let apart = SAME_POINT * self.size;
-        let tied = scratch.ties.drain(..).any(|(patch, place)| {
-            let other = self.descend(x, patch, place, 30);
+        let tied = scratch.rivals.iter().any(|other| {
             let p = &self.patches[other.patch];
             let point = self.point(p, other.local[0], other.local[1]) + p.centre;
             gap.is_tie(other.distance_sq, out.distance)
@@ -219,25 +256,4 @@ fn outward([s, t]: [f64; 2], jet: &SurfaceJet) -> Vector3<f64> {
     } else {
         jet.du.cross(&jet.duv) * if s < 0.5 { 1.0 } else { -1.0 }
     }
-}
-
-/// Smallest eigenvalue of the Hessian with respect to the metric, `1 − d κ`, and its unit direction.
-pub(super) fn flattest(g: &[f64; 3], h: &[f64; 3]) -> (f64, [f64; 2]) {
-    // Roots of det(H − λ G).
-    let a = g[0] * g[2] - g[1] * g[1];
-    let b = h[0] * g[2] + h[2] * g[0] - 2.0 * h[1] * g[1];
-    let c = h[0] * h[2] - h[1] * h[1];
-    let root = (0.5 * b - (0.25 * b * b - a * c).max(0.0).sqrt()) / a;
-    let rows = [[h[0] - root * g[0], h[1] - root * g[1]], [h[1] - root * g[1], h[2] - root * g[2]]];
-    let weight = |r: &[f64; 2]| r[0].abs() / g[0].sqrt() + r[1].abs() / g[2].sqrt();
-    let row = if weight(&rows[0]) >= weight(&rows[1]) { rows[0] } else { rows[1] };
-    let mut direction = [-row[1], row[0]];
-    if direction == [0.0; 2] {
-        direction = [1.0, 0.0];
-    }
-    let length = (g[0] * direction[0] * direction[0]
-        + 2.0 * g[1] * direction[0] * direction[1]
-        + g[2] * direction[1] * direction[1])
-        .sqrt();
-    (root, direction.map(|c| c / length))
 }

@@ -1,6 +1,6 @@
 //! Where on a curve a footpoint lies, and whether there are others.
 
-use super::classify::{FLAT, ORTHOGONAL, SAME_POINT, STANDSTILL};
+use super::classify::{FLAT, NO_GAIN, ORTHOGONAL, SAME_POINT, STANDSTILL};
 use crate::global::gap::Gap;
 use crate::global::piece::PieceSet;
 use crate::global::search_curve::{CurveFoot, CurveScratch};
@@ -25,10 +25,15 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
         let (slope, speed) = (jet.d1.dot(&r), jet.d1.norm());
         // At a cusp the parameterisation stands still: its direction is that of rounding errors.
         let still = speed <= STANDSTILL * self.size;
-        let small = still || slope.abs() <= speed * (ORTHOGONAL * distance).max(1e-11 * self.size);
+        let bend = speed * speed + jet.d2.dot(&r);
+        // Or a step of Newton's method would gain nothing: next to a cusp parameters are not known better.
+        let no_gain = slope * slope <= NO_GAIN * distance * distance * bend;
+        let small = still || no_gain || slope.abs() <= speed * (ORTHOGONAL * distance).max(1e-11 * self.size);
         let blocked = (foot.local <= 0.0 && slope > 0.0 && piece.neighbours[0].is_none())
             || (foot.local >= 1.0 && slope < 0.0 && piece.neighbours[1].is_none());
         let status = match (small || blocked, location) {
+            // Squares of the coordinates overflow.
+            _ if !distance.is_finite() => Status::Diverged,
             (true, Location::Edge) => Status::OnBoundary,
             (true, _) => Status::Converged,
             (false, _) if foot.settled => Status::Stalled,
@@ -63,8 +68,7 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
             return Multiplicity::Continuum;
         }
         let apart = (SAME_POINT * self.size).max(1e-6 * out.distance);
-        let tied = scratch.ties.drain(..).any(|(index, local)| {
-            let other = self.descend(x, index, local, 30);
+        let tied = scratch.rivals.iter().any(|other| {
             let piece = &self.pieces[other.piece];
             let point = self.jet(piece, other.local).point + piece.centre;
             gap.is_tie(other.distance_sq, out.distance) && (point - out.point).norm() > apart

@@ -3,10 +3,11 @@
 use super::Progress;
 use super::all_feet::{self, CurveFeet};
 use super::batch::{self, Batch};
+use crate::global::dispatch::vectorized;
 use crate::global::gap::Gap;
 use crate::global::piece::PieceSet;
 use crate::global::search_curve::{CurveFoot, CurveScratch};
-use crate::{CurveFootpoint, Error, Location, Mode, Multiplicity, ProjectionOptions, Status};
+use crate::{CurveFootpoint, Error, Location, Mode, Multiplicity, ProjectionOptions, Status, UpdateOptions};
 use nalgebra::SVector;
 use nurbs_core::BsplineCurve;
 
@@ -111,12 +112,29 @@ impl<const D: usize> CurveProjector<D> {
     /// Follows the distance downhill from a known parameter: a previous answer for a point nearby.
     #[must_use]
     pub fn project_from(&self, x: &SVector<f64, D>, shape: usize, parameter: f64) -> CurveFootpoint<D> {
-        with_set!(&self.set, set => match set.locate(shape, parameter) {
-            Some((piece, local)) if x.iter().all(|c| c.is_finite()) => {
-                set.finish(x, &set.descend(x, piece, local, 50))
-            }
-            _ => CurveFootpoint::invalid(),
-        })
+        with_set!(&self.set, set => vectorized(
+            #[inline(always)]
+            || follow(set, x, shape, parameter, UpdateOptions::default().max_steps),
+        ))
+    }
+
+    /// New feet of points, each from the previous one.
+    pub(super) fn update_slice(
+        &self,
+        points: &[SVector<f64, D>],
+        feet: &mut [CurveFootpoint<D>],
+        max_steps: u32,
+    ) {
+        with_set!(&self.set, set => vectorized(
+            #[inline(always)]
+            || for (x, foot) in points.iter().zip(feet) {
+                *foot = if foot.parameter.is_finite() {
+                    follow(set, x, foot.shape, foot.parameter, max_steps)
+                } else {
+                    CurveFootpoint::invalid()
+                };
+            },
+        ));
     }
 
     /// Projects many points, in parallel, each with the result of its neighbour as a start.
@@ -165,6 +183,23 @@ impl<const D: usize> CurveProjector<D> {
             return Err(Error::NotOnShape { distance: foot.distance, tolerance });
         }
         Ok(foot)
+    }
+}
+
+/// The foot that a known parameter leads to.
+#[inline(always)]
+fn follow<const D: usize, const K: usize>(
+    set: &PieceSet<D, K>,
+    x: &SVector<f64, D>,
+    shape: usize,
+    parameter: f64,
+    max_steps: u32,
+) -> CurveFootpoint<D> {
+    match set.locate(shape, parameter) {
+        Some((piece, local)) if x.iter().all(|c| c.is_finite()) => {
+            set.finish(x, &set.descend_inline(x, piece, local, max_steps))
+        }
+        _ => CurveFootpoint::invalid(),
     }
 }
 

@@ -3,10 +3,11 @@
 //! Every patch or piece around the place, and at a pole every parameter line, has a say: the distance must not
 //! decrease into any of them, neither by its slope nor, where this vanishes, by its curvature.
 
-use super::classify::{FLAT, ON_BORDER, ORTHOGONAL, SAME_POINT, flattest};
+use super::classify::{FLAT, ON_BORDER, ORTHOGONAL, SAME_POINT, STANDSTILL};
 use crate::global::descend::Foot;
 use crate::global::patch::PatchSet;
 use crate::global::piece::PieceSet;
+use crate::global::polish::flattest;
 use crate::global::search_curve::CurveFoot;
 use nalgebra::{SVector, Vector3};
 
@@ -78,12 +79,15 @@ impl<const K: usize> PatchSet<K> {
         let small = (ORTHOGONAL * r.norm()).max(1e-11 * self.size);
         let metric = [jet.du.norm_squared(), jet.du.dot(&jet.dv), jet.dv.norm_squared()];
         let hessian = [metric[0] + jet.duu.dot(&r), metric[1] + jet.duv.dot(&r), metric[2] + jet.dvv.dot(&r)];
+        // At a pole the parameters are exact, and so are the slopes of the lines that leave it.
+        let at_pole = [jet.du, jet.dv].iter().any(|tangent| tangent.norm() <= STANDSTILL * self.size);
+        let small = if at_pole { 1e-12 * (r.norm() + self.size) } else { small };
         let mut free = [true; 2];
         // The sign of the only way into the patch, at a border.
         let mut inward = [0.0; 2];
         for (d, tangent) in [jet.du, jet.dv].into_iter().enumerate() {
             let speed = tangent.norm();
-            if speed <= 1e-9 * self.size {
+            if speed <= STANDSTILL * self.size {
                 // A pole: no way leads along this direction.
                 free[d] = false;
                 continue;

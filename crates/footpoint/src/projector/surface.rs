@@ -4,11 +4,10 @@ use super::Progress;
 use super::all_feet::{self, SurfaceFeet};
 use super::batch::{self, Batch};
 use crate::global::descend::Foot;
-use crate::global::dispatch::vectorized;
 use crate::global::gap::Gap;
 use crate::global::patch::PatchSet;
 use crate::global::scratch::Scratch;
-use crate::{Error, Mode, Multiplicity, ProjectionOptions, Status, SurfaceFootpoint};
+use crate::{Error, Mode, Multiplicity, ProjectionOptions, Status, SurfaceFootpoint, UpdateOptions};
 use nalgebra::Vector3;
 use nurbs_core::BsplineSurface;
 
@@ -128,8 +127,9 @@ impl SurfaceProjector {
                     return SurfaceFootpoint::invalid();
                 }
                 let (cell, local) = set.cells[shape].locate(parameter);
-                let foot = set.descend(x, set.cells[shape].patch(cell), local, 50);
-                vectorized(#[inline(always)] || set.finish(x, &foot))
+                let patch = set.cells[shape].patch(cell);
+                let (foot, jet) = set.descend_to_jet(x, patch, local, UpdateOptions::default().max_steps);
+                set.conclude(x, &foot, &jet)
         })
     }
 

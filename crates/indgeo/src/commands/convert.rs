@@ -14,10 +14,10 @@ use std::path::PathBuf;
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = AFTER_HELP)]
 pub(crate) struct Args {
-    /// File to read, its format recognised by content first
-    input: PathBuf,
+    /// File to read, its format recognised by content first; `-` is standard input
+    pub(crate) input: PathBuf,
     /// File to write: .ply, .xyz, .csv, .pts, .obj, .stl, .off, .pcd, or .json for NURBS
-    output: PathBuf,
+    pub(crate) output: PathBuf,
     /// Leave out points with a coordinate that is NaN or infinite, and the triangles that use them
     #[arg(long)]
     drop_non_finite: bool,
@@ -39,7 +39,7 @@ pub(crate) fn run(args: &Args, report: &mut Report) -> Result<Outcome, Error> {
     files::check_writable(&args.output, &[&args.input])?;
     let mut timings = Timings::default();
     let options = ReadOptions::default().with_drop_non_finite(args.drop_non_finite);
-    let loaded = Timings::measure(&mut timings.read, || io::read(&args.input, &options))?;
+    let loaded = Timings::measure(&mut timings.read, || files::read(&args.input, &options))?;
     report.inputs.push(Input::new("file", &args.input, &loaded.report));
     let options = WriteOptions::default().with_ascii(args.ascii);
     let written =
@@ -70,5 +70,5 @@ pub(crate) fn run(args: &Args, report: &mut Report) -> Result<Outcome, Error> {
         written.format,
         written.bytes
     );
-    Ok(Outcome { summary, converged: true })
+    Ok(Outcome::new(summary, true))
 }

@@ -29,7 +29,7 @@ Example:
 pub(crate) struct Args {
     /// Folder for the results; made if it does not exist
     #[arg(long, short, value_name = "FOLDER", default_value = "indgeo-demo")]
-    out: PathBuf,
+    pub(crate) out: PathBuf,
     /// Folder `fixtures` of the repository, if it is not to be looked for
     #[arg(long, value_name = "FOLDER")]
     data: Option<PathBuf>,
@@ -37,13 +37,19 @@ pub(crate) struct Args {
     search: Search,
 }
 
+impl Args {
+    /// The files that are written: table, cloud and picture.
+    pub(crate) fn results(&self) -> [PathBuf; 3] {
+        ["csv", "ply", "svg"].map(|extension| self.out.join("deviations").with_extension(extension))
+    }
+}
+
 /// Runs the command.
 pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<Outcome, Error> {
     let data = Data::find(args.data.as_deref())?;
     let bolt = Bolt::read(&data.placement)?;
     fs::create_dir_all(&args.out).map_err(|source| create_error(&args.out, source))?;
-    let file = |name: &str| args.out.join(name);
-    let (csv, ply, svg) = (file("deviations.csv"), file("deviations.ply"), file("deviations.svg"));
+    let [csv, ply, svg] = args.results();
 
     let job = Job {
         model: &data.model,
@@ -68,7 +74,7 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
     report.outputs.push(Output { path: svg.clone(), bytes, content });
 
     let summary = format!("{}\n{}", summary::of(report), explain(&zones, &job, &svg));
-    Ok(Outcome { summary, converged: projection::all_converged(report) })
+    Ok(Outcome::new(summary, projection::all_converged(report)))
 }
 
 /// What was found, and how to get the same without the demonstration.

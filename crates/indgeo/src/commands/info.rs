@@ -2,9 +2,10 @@
 
 use super::Outcome;
 use crate::error::Error;
+use crate::files;
 use crate::model::kind;
 use crate::report::{Input, Report, Results, Timings};
-use industrial_geometry::io::{self, Content, ReadOptions, ReadReport, Shape};
+use industrial_geometry::io::{Content, ReadOptions, ReadReport, Shape};
 use industrial_geometry::mesh::nalgebra::Point3;
 use industrial_geometry::mesh::{Attributes, BoundingBox, TriangleMesh};
 use industrial_geometry::nurbs::{BsplineCurve, BsplineSurface, KnotVector};
@@ -20,18 +21,19 @@ Examples:
   indgeo info model.json --json -
   indgeo info *.ply")]
 pub(crate) struct Args {
-    /// Files of any format that is read
+    /// Files of any format that is read; `-` is standard input
     #[arg(required = true)]
-    files: Vec<PathBuf>,
+    pub(crate) files: Vec<PathBuf>,
 }
 
 /// Runs the command.
 pub(crate) fn run(args: &Args, report: &mut Report) -> Result<Outcome, Error> {
+    files::check_inputs(&args.files.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
     let mut timings = Timings::default();
     let mut facts = Vec::new();
     let mut summary = String::new();
     for path in &args.files {
-        let loaded = Timings::measure(&mut timings.read, || io::read(path, &ReadOptions::default()))?;
+        let loaded = Timings::measure(&mut timings.read, || files::read(path, &ReadOptions::default()))?;
         report.inputs.push(Input::new("file", path, &loaded.report));
         let warnings = loaded.report.warnings.iter();
         report.warnings.extend(warnings.map(|warning| format!("{}: {warning}", path.display())));
@@ -42,7 +44,7 @@ pub(crate) fn run(args: &Args, report: &mut Report) -> Result<Outcome, Error> {
     }
     report.timings = timings;
     report.results = Some(Results::Files(facts));
-    Ok(Outcome { summary, converged: true })
+    Ok(Outcome::new(summary, true))
 }
 
 /// The facts about a file, as the report has them.
@@ -189,7 +191,7 @@ fn write_text(text: &mut String, fact: &Value) -> std::fmt::Result {
 
 /// The order in which a person wants to read the facts.
 fn place(name: &str) -> usize {
-    const ORDER: [&str; 13] = [
+    const ORDER: [&str; 15] = [
         "format",
         "kind",
         "dimension",
@@ -203,6 +205,8 @@ fn place(name: &str) -> usize {
         "domain",
         "bounding_box",
         "control_box",
+        "min",
+        "max",
     ];
     ORDER.iter().position(|&other| other == name).unwrap_or(ORDER.len())
 }
@@ -220,9 +224,10 @@ fn plain(value: &Value) -> String {
         }
         Value::Array(values) => values.iter().map(plain).collect::<Vec<_>>().join(", "),
         Value::Object(fields) => {
-            let parts: Vec<String> =
-                fields.iter().map(|(name, value)| format!("{name} {}", plain(value))).collect();
-            parts.join("; ")
+            let mut ordered: Vec<_> = fields.iter().collect();
+            ordered.sort_by_key(|(name, _)| place(name));
+            let parts = ordered.iter().map(|(name, value)| format!("{name} {}", plain(value)));
+            parts.collect::<Vec<_>>().join("; ")
         }
     }
 }

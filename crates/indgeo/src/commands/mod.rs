@@ -3,6 +3,7 @@
 pub(crate) mod convert;
 pub(crate) mod demo;
 pub(crate) mod info;
+pub(crate) mod inspect;
 pub(crate) mod project;
 
 use crate::args::{Command, Common};
@@ -16,12 +17,22 @@ pub(crate) struct Outcome {
     pub(crate) summary: String,
     /// Whether everything that was asked for was found.
     pub(crate) converged: bool,
+    /// What the report calls it if not.
+    pub(crate) otherwise: &'static str,
+}
+
+impl Outcome {
+    /// The usual outcome: points converged, or not.
+    pub(crate) fn new(summary: String, converged: bool) -> Self {
+        Self { summary, converged, otherwise: "not_converged" }
+    }
 }
 
 /// Runs a command and fills in its report.
 pub(crate) fn run(command: &Command, common: &Common, report: &mut Report) -> Result<Outcome, Error> {
     match command {
         Command::Project(args) => project::run(args, common, report),
+        Command::Inspect(args) => inspect::run(args, common, report),
         Command::Convert(args) => convert::run(args, report),
         Command::Info(args) => info::run(args, report),
         Command::Demo(args) => demo::run(args, common, report),

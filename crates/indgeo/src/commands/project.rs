@@ -16,13 +16,13 @@ use std::path::PathBuf;
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = AFTER_HELP)]
 pub(crate) struct Args {
-    /// NURBS curves or surfaces (JSON), or a triangle mesh (STL, PLY, OBJ, OFF)
-    model: PathBuf,
-    /// Points: PLY, XYZ, CSV, PTS, PCD, OBJ, STL or OFF; of a mesh its vertices
-    points: PathBuf,
+    /// NURBS curves or surfaces (JSON), or a triangle mesh (STL, PLY, OBJ, OFF); `-` is standard input
+    pub(crate) model: PathBuf,
+    /// Points: PLY, XYZ, CSV, PTS, PCD, OBJ, STL or OFF; of a mesh its vertices; `-` is standard input
+    pub(crate) points: PathBuf,
     /// The result; its format follows from the extension: .csv, .ply or .json
     #[arg(long, short, value_name = "OUT")]
-    out: PathBuf,
+    pub(crate) out: PathBuf,
     #[command(flatten)]
     search: Search,
 }
@@ -105,6 +105,7 @@ a warning, not a failure.
 
 Examples:
   indgeo project model.json scan.ply -o deviations.csv
+  gzip -dc scan.xyz.gz | indgeo project model.json - -o deviations.csv
   indgeo project part.stl scan.xyz -o deviations.ply --json report.json
   indgeo project section.json profile.csv -o feet.csv --json - --quiet";
 
@@ -121,5 +122,5 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         quiet: common.quiet,
     };
     projection::run(&job, report)?;
-    Ok(Outcome { summary: summary::of(report), converged: projection::all_converged(report) })
+    Ok(Outcome::new(summary::of(report), projection::all_converged(report)))
 }

@@ -2,9 +2,9 @@
 
 use crate::error::Error;
 use crate::projection::Projected;
-use crate::statistics::Statistics;
 use crate::target::Foot;
 use industrial_geometry::footpoint::Status;
+use industrial_geometry::inspection::Statistics;
 use industrial_geometry::mesh::nalgebra::{Point3, Vector3};
 use serde::Deserialize;
 use std::f64::consts::TAU;

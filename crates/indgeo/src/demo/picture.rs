@@ -5,7 +5,7 @@ use super::scale::{Scale, round_up};
 use super::svg::{Anchor, Svg};
 use super::{histogram, map, profile, side_view};
 use crate::projection::Projected;
-use crate::statistics::Statistics;
+use industrial_geometry::inspection::Statistics;
 
 const WIDTH: f64 = 1200.0;
 const HEIGHT: f64 = 1086.0;

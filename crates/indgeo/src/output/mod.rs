@@ -1,12 +1,16 @@
-//! Footpoints in files: one row per point, in the order of the input.
+//! Results in files: one row per point, in the order of the input.
 
 mod csv;
+mod deviations;
 mod json;
 mod number;
 mod ply;
+mod rows;
 mod table;
 
-pub(crate) use table::{Column, Layout, Table};
+pub(crate) use deviations::DeviationTable;
+pub(crate) use rows::Rows;
+pub(crate) use table::{Layout, Table};
 
 use crate::error::Error;
 use crate::files;
@@ -40,7 +44,7 @@ impl Format {
 const ADVICE: &str = "choose .csv, .ply or .json";
 
 /// Writes the table; the file appears whole or not at all. Returns its size in bytes.
-pub(crate) fn write(path: &Path, format: Format, table: &Table<'_>) -> Result<u64, Error> {
+pub(crate) fn write(path: &Path, format: Format, table: &dyn Rows) -> Result<u64, Error> {
     let mut file = AtomicFile::create(path)?;
     let done = match format {
         Format::Csv => csv::write(&mut file, table),

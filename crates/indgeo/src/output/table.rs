@@ -1,12 +1,13 @@
 //! The columns of a result and what stands in them.
 
+use super::rows::{Cell, Rows};
 use crate::target::{Foot, Target};
 use industrial_geometry::footpoint::Status;
 use industrial_geometry::mesh::nalgebra::Point3;
 
 /// A column. The names are a contract that other programs rely on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Column {
+pub(super) enum Column {
     /// Coordinate of the point as read.
     Point(u8),
     /// Coordinate of the footpoint.
@@ -27,20 +28,9 @@ pub(crate) enum Column {
     Status,
 }
 
-/// The content of a cell.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Cell {
-    /// A number; NaN where there is none.
-    Number(f64),
-    /// An index, if there is one.
-    Index(Option<u32>),
-    /// A status.
-    Status(Status),
-}
-
 impl Column {
     /// The name in the header.
-    pub(crate) fn name(self) -> &'static str {
+    fn name(self) -> &'static str {
         match self {
             Self::Point(0) => "x",
             Self::Point(1) => "y",
@@ -59,24 +49,24 @@ impl Column {
     }
 
     /// The cell of a row.
-    pub(crate) fn cell(self, point: &Point3<f64>, foot: &Foot) -> Cell {
+    fn cell(self, point: &Point3<f64>, foot: &Foot) -> Cell {
         let index = |value: u32| Cell::Index((value != u32::MAX).then_some(value));
         match self {
-            Self::Point(axis) => Cell::Number(point[usize::from(axis)]),
+            Self::Point(axis) => Cell::Given(point[usize::from(axis)]),
             Self::Foot(axis) => Cell::Number(foot.point[usize::from(axis)]),
             Self::Distance => Cell::Number(foot.distance),
             Self::Shape => index(foot.shape),
             Self::U | Self::T => Cell::Number(foot.parameter[0]),
             Self::V => Cell::Number(foot.parameter[1]),
             Self::Triangle => index(foot.triangle),
-            Self::Status => Cell::Status(foot.status),
+            Self::Status => Cell::Name(foot.status.name(), code(foot.status)),
         }
     }
 }
 
 /// Which columns a kind of model has.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Layout(pub(crate) Vec<Column>);
+pub(crate) struct Layout(Vec<Column>);
 
 impl Layout {
     /// The columns for a model of `shapes` shapes.
@@ -117,10 +107,45 @@ pub(crate) struct Table<'a> {
     pub(crate) triangles: &'a [[u32; 3]],
 }
 
-impl Table<'_> {
-    /// The cells of a row.
-    pub(super) fn cells(&self, row: usize) -> impl Iterator<Item = Cell> + '_ {
-        let (point, foot) = (&self.points[row], &self.feet[row]);
-        self.layout.0.iter().map(|column| column.cell(point, foot))
+/// The statuses in the order of their numbers in binary files.
+const STATUSES: [Status; 7] = [
+    Status::Converged,
+    Status::OnBoundary,
+    Status::Stalled,
+    Status::MaxIterations,
+    Status::Diverged,
+    Status::Cancelled,
+    Status::InvalidPoint,
+];
+
+/// The number of a status in the file; 255 for one that is not listed.
+fn code(status: Status) -> u8 {
+    (0u8..).zip(STATUSES).find(|(_, other)| *other == status).map_or(u8::MAX, |(code, _)| code)
+}
+
+impl Rows for Table<'_> {
+    fn names(&self) -> Vec<&'static str> {
+        self.layout.names()
+    }
+
+    fn count(&self) -> usize {
+        self.points.len()
+    }
+
+    fn cell(&self, row: usize, column: usize) -> Cell {
+        self.layout.0[column].cell(&self.points[row], &self.feet[row])
+    }
+
+    fn triangles(&self) -> &[[u32; 3]] {
+        self.triangles
+    }
+
+    fn comments(&self) -> Vec<String> {
+        let names: Vec<String> =
+            STATUSES.iter().map(|&status| format!("{} {status}", code(status))).collect();
+        vec![
+            format!("footpoints by indgeo {}, in the unit of the input", env!("CARGO_PKG_VERSION")),
+            format!("status: {}", names.join(", ")),
+        ]
     }
 }

@@ -2,10 +2,13 @@
 
 #![allow(dead_code, clippy::unwrap_used, reason = "not every test uses everything")]
 
+pub(crate) mod schema;
+
 use serde_json::Value;
 use std::fs;
+use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
 use tempfile::TempDir;
 
 /// What a run left behind.
@@ -60,11 +63,22 @@ impl Bench {
 
     /// Runs the program with arguments separated by blanks.
     pub(crate) fn run(&self, arguments: &str) -> Run {
-        let output = Command::new(env!("CARGO_BIN_EXE_indgeo"))
+        self.run_with(arguments, b"")
+    }
+
+    /// The same with something on its standard input.
+    pub(crate) fn run_with(&self, arguments: &str, input: &[u8]) -> Run {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_indgeo"))
             .args(arguments.split_whitespace())
             .current_dir(self.dir.path())
-            .output()
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
             .unwrap();
+        // A program that does not read it has closed the pipe by now.
+        let _ = child.stdin.take().unwrap().write_all(input);
+        let output = child.wait_with_output().unwrap();
         Run {
             code: output.status.code().unwrap(),
             stdout: String::from_utf8(output.stdout).unwrap(),

@@ -1,4 +1,4 @@
-//! Curvatures of a cloud by local quadrics ([CP05]).
+//! Curvatures of a cloud by local quadrics (\[CP05\]).
 
 use nalgebra::{Point3, Vector3};
 
@@ -41,7 +41,7 @@ pub struct CloudCurvature {
 }
 
 /// Estimates normals and principal curvatures of a cloud by fitting a quadratic height function over the tangent plane
-/// to the nearest neighbours of every point ([CP05]).
+/// to the nearest neighbours of every point (\[CP05\]).
 ///
 /// The normals of the result are those of the quadrics, on the side of the given normals; without normals, or where one
 /// is zero, the tangent plane is estimated and the side is arbitrary.

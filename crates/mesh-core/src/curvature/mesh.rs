@@ -1,4 +1,4 @@
-//! Curvatures of a mesh from the change of its normals ([Ru04]).
+//! Curvatures of a mesh from the change of its normals (\[Ru04\]).
 
 use nalgebra::{Cholesky, Matrix3, Point3, Vector3};
 
@@ -22,7 +22,7 @@ impl MeshCurvature {
     ///
     /// In every triangle the second fundamental form is fitted to the change of the vertex normals along the edges; the
     /// form of a vertex is the mean over the triangles around it, weighted by the parts of their areas that are nearest
-    /// to the vertex ([Ru04, sec. 3]). Normals are weighted such that they are exact on spheres ([Ma99]). Vertices at
+    /// to the vertex ([Ru04, sec. 3]). Normals are weighted such that they are exact on spheres (\[Ma99\]). Vertices at
     /// exactly the same position count as one.
     #[must_use]
     pub fn new(mesh: &TriangleMesh) -> Self {
@@ -132,7 +132,7 @@ impl MeshCurvature {
     }
 }
 
-/// Vertex normals that are exact on spheres: sum of `e × f / (|e|² |f|²)` over the edges `e`, `f` of the corners ([Ma99]).
+/// Vertex normals that are exact on spheres: sum of `e × f / (|e|² |f|²)` over the edges `e`, `f` of the corners (\[Ma99\]).
 fn sphere_exact_normals(
     triangles: &[[u32; 3]],
     count: usize,

@@ -1,4 +1,4 @@
-//! A quadratic height function over the tangent plane, fitted to neighbours ([CP05]).
+//! A quadratic height function over the tangent plane, fitted to neighbours (\[CP05\]).
 
 use nalgebra::{DMatrix, DVector, Point3, Vector3};
 

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 /// Weights of control vertices, by their numbers.
 pub type Mask = Vec<(u32, f64)>;
 
-/// Weight of each of `n` neighbours in the new position of an interior vertex ([Lo87]).
+/// Weight of each of `n` neighbours in the new position of an interior vertex (\[Lo87\]).
 fn interior_weight(n: usize) -> f64 {
     let root = 0.375 + 0.25 * (TAU / n as f64).cos();
     (0.625 - root * root) / n as f64

@@ -1,4 +1,4 @@
-//! Subdivision surfaces of triangle meshes after Loop ([Lo87]).
+//! Subdivision surfaces of triangle meshes after Loop (\[Lo87\]).
 
 mod masks;
 mod scheme;

@@ -31,7 +31,7 @@ enum Rule {
     Fixed,
 }
 
-/// Loop's subdivision scheme on a control mesh ([Lo87]).
+/// Loop's subdivision scheme on a control mesh (\[Lo87\]).
 ///
 /// Vertices at exactly the same position count as one. The boundary is a cubic B-spline curve of its own. Vertices that no
 /// triangle uses stay, and so do those with a defect ([`HalfEdgeMesh::defects`]): at edges that are not manifold, or

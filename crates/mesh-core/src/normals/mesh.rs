@@ -32,7 +32,7 @@ impl TriangleMesh {
         Normals::of(self.area_vectors())
     }
 
-    /// Unit normals of the vertices: those of the faces around, weighted by their angles at the vertex ([BA05]).
+    /// Unit normals of the vertices: those of the faces around, weighted by their angles at the vertex (\[BA05\]).
     ///
     /// Vertices at exactly the same position have the same normal. Vertices of no triangle with area have none, and
     /// neither have those around which the faces cancel out.

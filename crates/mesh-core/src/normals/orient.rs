@@ -31,7 +31,7 @@ pub fn orient_towards(
 /// Turns the normals to one side of the surface, the outside of closed shapes; returns the number of pieces.
 ///
 /// The orientation of one normal propagates along the links of a minimum spanning tree of the graph of nearest
-/// neighbours ([HDDMS92, sec. 3.3]), where a link costs the angle between the normals, one of them reflected ([KG09]), and
+/// neighbours ([HDDMS92, sec. 3.3]), where a link costs the angle between the normals, one of them reflected (\[KG09\]), and
 /// the angle by which it leaves the tangent planes. Where the graph falls into pieces, every piece is oriented on its own:
 /// at its extreme point along the coordinate axis that fits best, the normal points outwards. Points without a normal
 /// (zero) take no part.
@@ -71,7 +71,7 @@ struct Link {
 
 impl Link {
     /// On a sphere or a circle, and over a thin rim, the normal at one point is the mirror image of that at the other in
-    /// the plane between them ([KG09]); compared as they are, normals on both sides of a thin wall would seem to agree.
+    /// the plane between them (\[KG09\]); compared as they are, normals on both sides of a thin wall would seem to agree.
     fn new(points: &[Point3<f64>], [one, other]: [usize; 2], [first, second]: [&Vector3<f64>; 2]) -> Self {
         let along = unit(&(points[other] - points[one])).unwrap_or_else(Vector3::zeros);
         let slopes = [along.dot(first), along.dot(second)];

@@ -13,7 +13,7 @@ const GAMMA: f64 = 1.5;
 
 /// Indices of `count` out of points on a surface of the given area that keep as far from each other as so many can.
 ///
-/// The point that crowds its neighbours most is eliminated until `count` are left ([Yu15]). Of equally crowded points the
+/// The point that crowds its neighbours most is eliminated until `count` are left (\[Yu15\]). Of equally crowded points the
 /// one of the largest index goes first. The indices ascend. Points that are not finite are never among them, so that
 /// fewer than `count` may be left.
 ///

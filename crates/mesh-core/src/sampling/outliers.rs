@@ -51,7 +51,7 @@ impl Outliers {
 }
 
 /// Points whose mean distance to their `neighbours` nearest neighbours exceeds the mean of all points by more than
-/// `ratio` standard deviations stand apart ([RMBDB08]).
+/// `ratio` standard deviations stand apart (\[RMBDB08\]).
 ///
 /// Common values are 8 to 50 neighbours and a ratio of 1 to 3. A point without neighbours has the distance 0.
 ///
@@ -91,7 +91,7 @@ pub fn statistical_outliers(
 /// # Errors
 /// [`Error::OutOfRange`] if the radius is negative or NaN, [`Error::TooMany`] beyond 32-bit indices.
 pub fn radius_outliers(points: &[Point3<f64>], radius: f64, least: usize) -> Result<Outliers, Error> {
-    if !(radius >= 0.0) {
+    if radius.is_nan() || radius < 0.0 {
         return Err(Error::OutOfRange { what: "radius", value: radius, least: 0.0 });
     }
     let index = CloudIndex::new(points)?;

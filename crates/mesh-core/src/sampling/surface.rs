@@ -36,7 +36,7 @@ pub fn sample_uniform(mesh: &TriangleMesh, count: usize, seed: u64) -> Result<Ve
 /// `count` points on a mesh that keep as far from each other as so many can (a Poisson disk distribution).
 ///
 /// Five times as many points are sampled uniformly, and those that crowd their neighbours most are eliminated one after
-/// the other ([Yu15]). The same seed gives the same points, in the order in which they were sampled.
+/// the other (\[Yu15\]). The same seed gives the same points, in the order in which they were sampled.
 ///
 /// # Errors
 /// [`Error::NoArea`] if there is no triangle with area to put points on, [`Error::TooMany`] beyond 32-bit indices.

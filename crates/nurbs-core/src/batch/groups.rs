@@ -4,7 +4,9 @@ use crate::simd::MAX_LANES;
 
 /// The parameters of one chunk, `D` numbers each, in groups.
 pub(crate) struct Groups<const D: usize> {
+    /// By parameter, and in the order of the groups.
     keys: Vec<usize>,
+    sorted_keys: Vec<usize>,
     /// Where each sorted parameter came from.
     order: Vec<u32>,
     /// For the counting sort: the next free place of each key.
@@ -24,7 +26,13 @@ pub(crate) struct Group<'a, const D: usize> {
 
 impl<const D: usize> Default for Groups<D> {
     fn default() -> Self {
-        Self { keys: Vec::new(), order: Vec::new(), places: Vec::new(), sorted: [const { Vec::new() }; D] }
+        Self {
+            keys: Vec::new(),
+            sorted_keys: Vec::new(),
+            order: Vec::new(),
+            places: Vec::new(),
+            sorted: [const { Vec::new() }; D],
+        }
     }
 }
 
@@ -41,26 +49,41 @@ impl<const D: usize> Groups<D> {
         let count = params.len();
         self.keys.clear();
         self.keys.extend(params.iter().map(|&p| key(numbers(p))));
-        self.order.clear();
-        self.order.extend((0..).zip(&self.keys).map(|(index, _): (u32, _)| index));
-        if key_count <= 4 * count {
-            self.sort_by_counting(key_count);
-        } else {
-            self.order.sort_unstable_by_key(|&index| (self.keys[index as usize], index));
-        }
+        self.order.resize(count, 0);
+        self.sorted_keys.resize(count, 0);
         for sorted in &mut self.sorted {
             // What follows the last parameter fills up vectors, and is evaluated for nothing.
             sorted.resize(count + MAX_LANES, 0.0);
         }
-        for (place, &index) in self.order.iter().enumerate() {
-            let parameter = numbers(params[index as usize]);
-            for d in 0..D {
-                self.sorted[d][place] = parameter[d];
+        if key_count <= 4 * count {
+            self.count_keys(key_count);
+            for (index, &p) in params.iter().enumerate() {
+                let slot = &mut self.places[self.keys[index]];
+                let place = *slot;
+                *slot += 1;
+                self.put(place, index, numbers(p));
+            }
+        } else {
+            let mut order: Vec<usize> = (0..count).collect();
+            order.sort_unstable_by_key(|&index| (self.keys[index], index));
+            for (place, &index) in order.iter().enumerate() {
+                self.put(place, index, numbers(params[index]));
             }
         }
     }
 
-    fn sort_by_counting(&mut self, key_count: usize) {
+    /// Writes a parameter to its place in the sorted order.
+    #[inline(always)]
+    fn put(&mut self, place: usize, index: usize, parameter: [f64; D]) {
+        self.order[place] = u32::try_from(index).unwrap_or(u32::MAX);
+        self.sorted_keys[place] = self.keys[index];
+        for d in 0..D {
+            self.sorted[d][place] = parameter[d];
+        }
+    }
+
+    /// Prepares the counting sort.
+    fn count_keys(&mut self, key_count: usize) {
         self.places.clear();
         self.places.resize(key_count, 0);
         for &key in &self.keys {
@@ -70,22 +93,18 @@ impl<const D: usize> Groups<D> {
         for slot in &mut self.places {
             place += std::mem::replace(slot, place);
         }
-        for (index, &key) in (0..).zip(&self.keys) {
-            self.order[self.places[key]] = index;
-            self.places[key] += 1;
-        }
     }
 
     /// The groups, by increasing key.
     pub(crate) fn iter(&self) -> impl Iterator<Item = Group<'_, D>> {
         let mut start = 0;
         std::iter::from_fn(move || {
-            let key = self.keys[*self.order.get(start)? as usize];
-            let rest = &self.order[start..];
-            let length = rest.iter().take_while(|&&index| self.keys[index as usize] == key).count();
+            let keys = self.sorted_keys.get(start..)?;
+            let key = *keys.first()?;
+            let length = keys.iter().take_while(|&&other| other == key).count();
             let group = Group {
                 key,
-                order: &rest[..length],
+                order: &self.order[start..][..length],
                 parameters: std::array::from_fn(|d| &self.sorted[d][start..]),
             };
             start += length;

@@ -9,7 +9,7 @@
 //! | a curve and an axis | [`revolve`] | yes |
 //! | two curves, one moved along the other | [`translate_along`] | yes |
 //! | a curve carried along a path by a moving frame | [`sweep`] | within a tolerance |
-//! | any number of sections | [`skin`] | interpolates the sections |
+//! | any number of sections (lofting) | [`skin`] | interpolates the sections |
 //!
 //! Curves may be rational; those that have to fit together are given a common degree and common knots.
 

@@ -1,4 +1,4 @@
-//! Skinning: surfaces through section curves.
+//! Skinning, or lofting: surfaces through section curves.
 
 use super::compatible::compatible;
 use crate::{BsplineCurve, BsplineSurface, Error, KnotVector};

@@ -111,29 +111,44 @@ impl SurfaceJet {
     /// Gauss curvature `K = κ₁ κ₂`; `None` where the surface is not regular.
     #[must_use]
     pub fn gauss_curvature(&self) -> Option<f64> {
-        self.shape_operator().map(|(_, [a, b, c])| a * c - b * b)
+        self.shape_operator().map(|ShapeOperator { form: [a, b, c], .. }| a * c - b * b)
     }
 
     /// Mean curvature `H = (κ₁ + κ₂) / 2` with respect to the normal; `None` where the surface is not
     /// regular. A sphere of radius `r` whose normal points outwards has `H = −1/r`.
     #[must_use]
     pub fn mean_curvature(&self) -> Option<f64> {
-        self.shape_operator().map(|(_, [a, _, c])| 0.5 * (a + c))
+        self.shape_operator().map(|ShapeOperator { form: [a, _, c], .. }| 0.5 * (a + c))
     }
 
-    /// Orthonormal tangent vectors `t₁ ∥ s_u`, `t₂` with `t₁ × t₂ = n`, and the entries `a, b, c` of the
-    /// symmetric matrix `[a b; b c]` of the second fundamental form in this basis.
-    pub(super) fn shape_operator(&self) -> Option<([Vector3<f64>; 2], [f64; 3])> {
+    /// The second fundamental form in an orthonormal basis of the tangent plane.
+    #[inline]
+    pub(super) fn shape_operator(&self) -> Option<ShapeOperator> {
         let normal = self.unit_normal()?;
-        let first = self.du.normalize();
-        let second = normal.cross(&first);
         // s_v = p t₁ + q t₂, s_u = r t₁; the form is transformed by the inverse of this triangle.
         let r = self.du.norm();
+        let first = self.du / r;
+        let second = normal.cross(&first);
         let (p, q) = (self.dv.dot(&first), self.dv.dot(&second));
         let (l, m, n) = (self.duu.dot(&normal), self.duv.dot(&normal), self.dvv.dot(&normal));
         let a = l / r / r;
         let b = (m / r - a * p) / q;
         let c = (n / q - (2.0 * b * p + a * p * p / q)) / q;
-        (a.is_finite() && b.is_finite() && c.is_finite()).then_some(([first, second], [a, b, c]))
+        let operator =
+            ShapeOperator { normal, tangents: [first, second], form: [a, b, c], parameters: [r, p, q] };
+        (a.is_finite() && b.is_finite() && c.is_finite()).then_some(operator)
     }
+}
+
+/// The second fundamental form of a regular point in orthonormal coordinates.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ShapeOperator {
+    /// Unit normal `n`.
+    pub(super) normal: Vector3<f64>,
+    /// Orthonormal tangent vectors `t₁ ∥ s_u`, `t₂` with `t₁ × t₂ = n`.
+    pub(super) tangents: [Vector3<f64>; 2],
+    /// The entries `a, b, c` of the symmetric matrix `[a b; b c]` of the form in this basis.
+    pub(super) form: [f64; 3],
+    /// `r, p, q` with `s_u = r t₁`, `s_v = p t₁ + q t₂`.
+    pub(super) parameters: [f64; 3],
 }

@@ -29,28 +29,29 @@ impl SurfaceJet {
     /// basis of the tangent plane, found by one Jacobi rotation.
     #[must_use]
     pub fn principal_frame(&self) -> Option<PrincipalFrame> {
-        let normal = self.unit_normal()?;
-        let ([t1, t2], [a, b, c]) = self.shape_operator()?;
+        let operator = self.shape_operator()?;
+        let ([t1, t2], [a, b, c], [r, p, q]) = (operator.tangents, operator.form, operator.parameters);
         let half = 0.5 * (a - c);
-        let radius = half.hypot(b);
+        let radius = (half * half + b * b).sqrt();
         let mean = 0.5 * (a + c);
         // Rounding alone tears umbilics apart by a few units in the last place.
         let umbilic = radius <= 16.0 * f64::EPSILON * (a.abs() + c.abs());
         let (cosine, sine) = if umbilic {
             (1.0, 0.0)
         } else {
-            // The direction of κ₁ makes the angle φ with t₁, where (cos 2φ, sin 2φ) = (half, b) / radius.
-            let phi = 0.5 * b.atan2(half);
-            (phi.cos(), phi.sin())
+            // The direction of κ₁ makes the angle φ with t₁, where (cos 2φ, sin 2φ) = (half, b) / radius; the larger of
+            // its two components comes from the half angle, the other from the double one.
+            let larger = (0.5 + 0.5 * half.abs() / radius).sqrt();
+            let smaller = 0.5 * b.abs() / (radius * larger);
+            if half >= 0.0 { (larger, smaller.copysign(b)) } else { (smaller, larger.copysign(b)) }
         };
         let directions = [t1 * cosine + t2 * sine, t2 * cosine - t1 * sine];
-        let (r, p, q) = (self.du.norm(), self.dv.dot(&t1), self.dv.dot(&t2));
         let to_parameters = |x: f64, y: f64| {
             let v = y / q;
             Vector2::new((x - v * p) / r, v)
         };
         Some(PrincipalFrame {
-            normal,
+            normal: operator.normal,
             curvatures: [mean + radius, mean - radius],
             directions,
             parameter_directions: [to_parameters(cosine, sine), to_parameters(-sine, cosine)],

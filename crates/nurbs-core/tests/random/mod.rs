@@ -104,7 +104,9 @@ pub(crate) fn maximize(f: &impl Fn(f64) -> f64, domain: Interval, breaks: &[f64]
     let mut samples: Vec<f64> = (0..=n).map(|i| domain.lerp(f64::from(i) / f64::from(n))).collect();
     samples.extend_from_slice(breaks);
     samples.sort_by(f64::total_cmp);
-    let mut best = f64::NEG_INFINITY;
+    // A break beside a sample would leave the bracket of neither to reach beyond the other.
+    samples.dedup_by(|b, a| *b - *a < 1e-9 * domain.length());
+    let mut best = breaks.iter().map(|&t| f(t)).fold(f64::NEG_INFINITY, f64::max);
     for k in 0..samples.len() {
         best = best.max(f(samples[k]));
         let (mut a, mut b) = (samples[k.saturating_sub(1)], samples[(k + 1).min(samples.len() - 1)]);

@@ -1,6 +1,6 @@
 //! How the lines of a table are built: separator, header, count.
 
-use crate::columns::names_a_position;
+use crate::columns::{is_position, names_a_position};
 use crate::number::{lex, parse, parse_count};
 use crate::source::{Source, is_blank, quoted, words};
 use crate::{Error, Format};
@@ -20,6 +20,8 @@ pub(super) struct Layout {
     pub(super) separator: Separator,
     /// Names of the columns, where there is a header line.
     pub(super) names: Option<Vec<String>>,
+    /// Places of named columns, other than coordinates, that hold text in the first row.
+    pub(super) texts: Vec<usize>,
     /// The number of points in the first line of a PTS file.
     pub(super) promised: Option<u64>,
     /// Where the rows begin.
@@ -84,6 +86,7 @@ impl Layout {
             return Ok(Self {
                 separator: Separator::Blank,
                 names: described.map(names),
+                texts: Vec::new(),
                 promised: None,
                 data,
             });
@@ -118,8 +121,17 @@ impl Layout {
             }
             (None, None) => None,
         };
-        Ok(Self { separator, names, promised, data })
+        let texts = names.as_ref().map_or_else(Vec::new, |names| text_columns(separator, names, row));
+        Ok(Self { separator, names, texts, promised, data })
     }
+}
+
+/// Places of the columns that hold text in `row`, coordinates excepted: a label, a date, the name of a status.
+fn text_columns(separator: Separator, names: &[String], row: &[u8]) -> Vec<usize> {
+    let is_text = |field: &[u8]| !unquoted(field).is_empty() && parse(unquoted(field)).is_none();
+    let columns = names.iter().zip(separator.fields(row)).enumerate();
+    let texts = columns.filter(|(_, (name, field))| is_text(field) && !is_position(name));
+    texts.map(|(place, _)| place).collect()
 }
 
 fn not_a_header(source: Source<'_>, at: usize, line: &[u8]) -> Error {
@@ -211,16 +223,22 @@ impl Separator {
         }
     }
 
-    /// Appends the numbers of a line; an empty field counts as NaN.
+    /// Whether a line ends with a separator.
+    pub(super) fn ends(self, line: &[u8]) -> bool {
+        matches!(self, Self::Byte(byte) if line.trim_ascii_end().last() == Some(&byte))
+    }
+
+    /// Appends the numbers of a line; an empty field counts as NaN, and so does a field in the columns `texts`.
     pub(super) fn numbers(
         self,
         source: Source<'_>,
-        at: usize,
-        line: &[u8],
+        (at, line): (usize, &[u8]),
+        texts: &[usize],
         values: &mut Vec<f64>,
         empty: &mut usize,
     ) -> Result<(), Error> {
         let mut rest = line;
+        let before = values.len();
         let skip_blanks = |rest: &mut &[u8]| {
             while let [first, tail @ ..] = rest
                 && is_blank(*first)
@@ -250,7 +268,10 @@ impl Separator {
                         Self::Byte(separator) => byte == separator,
                     });
                     let (word, tail) = rest.split_at(end.unwrap_or(rest.len()));
-                    values.push(unusual(source, at, line, word, self, empty)?);
+                    let is_text = texts.contains(&(values.len() - before));
+                    let value =
+                        if is_text { f64::NAN } else { unusual(source, at, line, word, self, empty)? };
+                    values.push(value);
                     field = tail;
                     skip_blanks(&mut field);
                 }

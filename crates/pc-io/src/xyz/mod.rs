@@ -30,7 +30,11 @@ pub(crate) fn read(source: Source<'_>) -> Result<Parsed, Error> {
         Some(names) => names.clone(),
         None => meaning::guess(&values, width, layout.promised.is_some(), &mut warnings)?,
     };
+    for &place in &layout.texts {
+        warnings.push(format!("not read: the column {:?}, which holds text", names[place]));
+    }
     let columns = (names.into_iter().enumerate())
+        .filter(|(place, _)| !layout.texts.contains(place))
         .map(|(place, name)| Column {
             name,
             kind: Kind::Text,
@@ -61,7 +65,12 @@ fn read_rows(
             continue;
         }
         let before = values.len();
-        layout.separator.numbers(source, at, line, &mut values, &mut empty)?;
+        layout.separator.numbers(source, (at, line), &layout.texts, &mut values, &mut empty)?;
+        // A separator at the end of a line may close the last field or open an empty one.
+        if width == Some(values.len() - before + 1) && layout.separator.ends(line) {
+            values.push(f64::NAN);
+            empty += 1;
+        }
         let found = values.len() - before;
         let expected = *width.get_or_insert(found);
         if found != expected {

@@ -1,6 +1,6 @@
 //! Random numbers that are the same everywhere.
 
-/// The SplitMix64 generator: one word of state, equally distributed, and the same sequence on every machine.
+/// The generator `SplitMix64`: one word of state, equally distributed, and the same sequence on every machine.
 #[derive(Debug, Clone)]
 pub(crate) struct Random(u64);
 

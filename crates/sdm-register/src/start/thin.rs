@@ -16,7 +16,7 @@ pub(crate) fn thin(points: &[Vector3<f64>], cell: f64, count: usize, random: &mu
     let origin = points.first().copied().unwrap_or_default();
     let key = |index: usize| ((points[index] - origin) / cell).map(f64::floor).into();
     let mut keys: Vec<[f64; 3]> = indices.iter().map(|&index| key(index)).collect();
-    keys.sort_unstable_by(|a, b| lexicographic(a, b));
+    keys.sort_unstable_by(lexicographic);
     let mut cells: Vec<([f64; 3], usize)> = Vec::new();
     for key in keys {
         match cells.last_mut() {

@@ -1,0 +1,204 @@
+//! The distance from the surface that a dense cloud of points samples.
+
+use crate::local_geometry::{of_point, of_principal, tangents};
+use crate::osculating::frame_nearby;
+use crate::{DistanceField, Error, Hint, PrincipalFrame, Search};
+use footpoint::Status;
+use mesh_core::{
+    CloudIndex, CurvatureFrame, CurvatureOptions, Neighbour, NormalOptions, estimate_curvature,
+    estimate_normals,
+};
+use nalgebra::{Point3, Vector3};
+use nurbs_core::Aabb;
+
+/// Points around one that tell whether the cloud goes on in all directions.
+const RING: usize = 16;
+/// Angle in radians without a neighbour that makes a point one of the border.
+const BORDER_GAP: f64 = 2.2;
+/// How far a foot may lie from the nearest point, in multiples of the spacing there.
+const REACH: f64 = 2.0;
+
+/// How the surface of a cloud is estimated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct CloudOptions {
+    /// Number of points to which a quadric, or a plane, is fitted; default 24, at least 6.
+    pub neighbours: usize,
+    /// Whether curvatures are estimated (default) or tangent planes alone, which takes less time.
+    pub curvature: bool,
+}
+
+impl Default for CloudOptions {
+    fn default() -> Self {
+        Self { neighbours: 24, curvature: true }
+    }
+}
+
+impl CloudOptions {
+    /// Sets the number of points to which a quadric is fitted.
+    #[must_use]
+    pub fn with_neighbours(self, neighbours: usize) -> Self {
+        Self { neighbours, ..self }
+    }
+
+    /// Sets whether curvatures are estimated.
+    #[must_use]
+    pub fn with_curvature(self, curvature: bool) -> Self {
+        Self { curvature, ..self }
+    }
+}
+
+/// The distance from the surface that a dense cloud samples, signed by the normals.
+///
+/// The nearest point of the cloud stands for the surface around it: a quadric that is estimated once, on which the foot
+/// lies. Meant for queries that are far from the surface compared with nothing but the spacing of the points; the error
+/// is that of the estimated normals and curvatures, and of the noise of the cloud. Points at the border of an open cloud
+/// are recognised by the largest angle without neighbours, and feet on them have
+/// [`on_boundary`](PrincipalFrame::on_boundary). Hints are not used.
+///
+/// ```
+/// use distance_field::{CloudField, DistanceField, Hint, Search};
+/// use nalgebra::{Point3, Vector3};
+///
+/// let grid: Vec<_> = (0..400u16).map(|i| Point3::new(f64::from(i % 20), f64::from(i / 20), 1.0)).collect();
+/// let field = CloudField::new(&grid, None)?;
+/// let frame = field.frame(&Vector3::new(7.3, 8.4, 3.0), Search::Global, &Hint::NONE);
+/// assert!((frame.foot - Vector3::new(7.3, 8.4, 1.0)).norm() < 1e-9 && !frame.on_boundary);
+/// assert!(field.frame(&Vector3::new(-3.0, 8.4, 1.0), Search::Global, &Hint::NONE).on_boundary);
+/// # Ok::<(), distance_field::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct CloudField {
+    /// Of the points relative to `centre`, as are the patches.
+    index: CloudIndex<3>,
+    centre: Vector3<f64>,
+    /// One per point of the cloud; unusable where the point is not finite.
+    patches: Vec<Patch>,
+    bounds: Aabb<3>,
+}
+
+/// The surface around one point.
+#[derive(Clone, Copy, Debug)]
+struct Patch {
+    point: Vector3<f64>,
+    /// `None` where the neighbours span no plane.
+    frame: Option<CurvatureFrame>,
+    /// Distance of the points from each other.
+    spacing: f64,
+    border: bool,
+}
+
+impl CloudField {
+    /// The distance from a cloud, whose normals are estimated if not given, with the default options.
+    ///
+    /// # Errors
+    /// [`Error::Mesh`] if there is not one normal per point; [`Error::NoPoints`] if no point is finite.
+    pub fn new(points: &[Point3<f64>], normals: Option<&[Vector3<f64>]>) -> Result<Self, Error> {
+        Self::with_options(points, normals, &CloudOptions::default())
+    }
+
+    /// The distance from a cloud. Given normals tell the positive side, and are used as they are if no curvature is
+    /// estimated.
+    ///
+    /// # Errors
+    /// As [`CloudField::new`], and [`Error::Mesh`] if `neighbours` is below 6.
+    pub fn with_options(
+        points: &[Point3<f64>],
+        normals: Option<&[Vector3<f64>]>,
+        options: &CloudOptions,
+    ) -> Result<Self, Error> {
+        let finite = points.iter().map(|p| &p.coords).filter(|p| p.iter().all(|c| c.is_finite()));
+        let bounds = Aabb::of_points(finite).ok_or(Error::NoPoints { count: points.len() })?;
+        // Relative to the centre: estimates square the coordinates.
+        let centre = bounds.centre();
+        let local: Vec<Point3<f64>> = points.iter().map(|p| p - centre).collect();
+        let estimated = match normals {
+            None => {
+                let normals = NormalOptions::default().with_neighbours(options.neighbours.max(3));
+                Some(estimate_normals(&local, &normals)?.normals)
+            }
+            Some(_) => None,
+        };
+        let normals = normals.or(estimated.as_deref());
+        let frames = if options.curvature {
+            let curvature = CurvatureOptions::default().with_neighbours(options.neighbours);
+            estimate_curvature(&local, normals, &curvature)?.frames
+        } else {
+            vec![None; points.len()]
+        };
+        let index = CloudIndex::new(&local)?;
+        let patches = index.map_nearest_n(&local, RING, |i, near| {
+            let plane = || normals.and_then(|normals| plane_frame(normals.get(i)?));
+            let frame = frames[i].or_else(plane);
+            let border = frame.is_none_or(|frame| is_border(&local, i, near, &frame));
+            Patch { point: local[i].coords, frame, spacing: spacing(near), border }
+        });
+        Ok(Self { index, centre, patches, bounds })
+    }
+
+    /// Number of points at the border of the cloud, or where the neighbours span no surface.
+    #[must_use]
+    pub fn border_count(&self) -> usize {
+        self.patches.iter().filter(|patch| patch.border).count()
+    }
+}
+
+/// A frame without curvature; `None` for a normal without direction.
+fn plane_frame(normal: &Vector3<f64>) -> Option<CurvatureFrame> {
+    let normal = normal.try_normalize(f64::MIN_POSITIVE).filter(|n| n.iter().all(|c| c.is_finite()))?;
+    Some(CurvatureFrame { normal, curvatures: [0.0; 2], directions: tangents(&normal) })
+}
+
+/// The distance within which a point has some six neighbours.
+fn spacing(near: &[Neighbour]) -> f64 {
+    near.get(6).or(near.last()).map_or(0.0, Neighbour::distance)
+}
+
+/// Whether the neighbours leave a large angle of the tangent plane free.
+fn is_border(points: &[Point3<f64>], i: usize, near: &[Neighbour], frame: &CurvatureFrame) -> bool {
+    let [x, y] = frame.directions;
+    let mut angles: Vec<f64> = (near.iter().filter(|n| n.distance_sq > 0.0))
+        .map(|n| points[n.index] - points[i])
+        .map(|d| d.dot(&y).atan2(d.dot(&x)))
+        .collect();
+    angles.sort_by(f64::total_cmp);
+    let Some((first, last)) = angles.first().zip(angles.last()) else { return true };
+    let around = first + std::f64::consts::TAU - last;
+    angles.windows(2).map(|pair| pair[1] - pair[0]).fold(around, f64::max) > BORDER_GAP
+}
+
+impl DistanceField<3> for CloudField {
+    fn frame(&self, x: &Vector3<f64>, _search: Search, _hint: &Hint) -> PrincipalFrame<3> {
+        if !x.iter().all(|c| c.is_finite()) {
+            return PrincipalFrame::invalid(Status::InvalidPoint);
+        }
+        let x = x - self.centre;
+        let Some(nearest) = self.index.nearest(&Point3::from(x)) else {
+            return PrincipalFrame::invalid(Status::Diverged);
+        };
+        let patch = &self.patches[nearest.index];
+        let geometry = match &patch.frame {
+            Some(frame) => of_principal(&frame.directions, &frame.normal, frame.curvatures, 0.0),
+            None => of_point(&(x - patch.point), None),
+        };
+        let at_point = PrincipalFrame {
+            foot: patch.point,
+            axes: geometry.axes,
+            curvatures: geometry.curvatures,
+            tangent_dimension: geometry.tangent_dimension,
+            distance: 0.0,
+            on_boundary: patch.border,
+            hint: Hint::new(nearest.index, [0.0; 2]),
+            status: if patch.border { Status::OnBoundary } else { Status::Converged },
+        };
+        // At the border the foot does not leave the cloud.
+        let reach = if patch.border { 0.5 } else { REACH } * patch.spacing;
+        let mut frame = frame_nearby(&at_point, &x, reach);
+        frame.foot += self.centre;
+        frame
+    }
+
+    fn bounding_box(&self) -> Aabb<3> {
+        self.bounds
+    }
+}

@@ -1,0 +1,120 @@
+//! The shape of the patches of a model: what local iterations need, whatever the degree.
+
+use super::cells::Cells;
+use super::pole::Pole;
+use super::power;
+use nalgebra::Vector3;
+use nurbs_core::{BezierPatch, Interval};
+
+/// A point of the homogeneous control net: `w (p − centre)` and `w`.
+pub(crate) type Homogeneous = [f64; 4];
+
+/// One patch: where it lies, and where its coefficients begin in the arenas.
+#[derive(Clone, Debug)]
+pub(crate) struct Patch {
+    /// Index of its surface.
+    pub(crate) shape: usize,
+    /// Row and column in the grid of patches of that surface.
+    pub(crate) cell: [usize; 2],
+    pub(crate) degrees: [usize; 2],
+    pub(crate) rational: bool,
+    /// Origin of the coordinates in which the net is stored: the pole, if there is one, so that next to it all
+    /// coefficients are small and so are their rounding errors.
+    pub(crate) centre: Vector3<f64>,
+    pub(crate) intervals: [Interval; 2],
+    /// Bounds of the squared weight function.
+    pub(crate) min_weight_sq: f64,
+    pub(crate) max_weight_sq: f64,
+    /// Largest distance of a control point from the centre.
+    pub(crate) radius: f64,
+    /// The edge that is collapsed into the centre.
+    pub(crate) pole: Option<Pole>,
+    /// Largest degree + 1 of a patch that is also kept in powers, or 0.
+    pub(crate) order: usize,
+    net: usize,
+    /// Where the rows of its squared distance form begin.
+    pub(super) form: usize,
+    powers: usize,
+}
+
+impl Patch {
+    /// Number of rows of the squared distance form, `2 degree_u + 1`.
+    #[inline(always)]
+    pub(crate) fn rows(&self) -> usize {
+        2 * self.degrees[0] + 1
+    }
+
+    /// Parameters of the whole surface at the local `(s, t)` in `[0, 1]²`.
+    pub(crate) fn parameter(&self, s: f64, t: f64) -> [f64; 2] {
+        [self.intervals[0].lerp(s), self.intervals[1].lerp(t)]
+    }
+}
+
+/// All patches of a model, and who borders on whom.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Geometry {
+    pub(crate) patches: Vec<Patch>,
+    pub(crate) cells: Vec<Cells>,
+    /// Largest side of the bounding box of everything.
+    pub(crate) size: f64,
+    nets: Vec<Homogeneous>,
+    /// Coefficients in powers of patches of low degree, and one number more.
+    powers: Vec<f64>,
+}
+
+impl Geometry {
+    /// Appends a patch, whose net is given relative to `centre`.
+    pub(super) fn push(
+        &mut self,
+        shape: usize,
+        cell: [usize; 2],
+        patch: &BezierPatch,
+        centre: Vector3<f64>,
+        pole: Option<Pole>,
+        net: Vec<Homogeneous>,
+        form: usize,
+    ) {
+        let rational = patch.weights.is_some();
+        // The number that follows the last coefficient is read, but not used.
+        self.powers.pop();
+        let powers = self.powers.len();
+        let order = power::push_powers(&net, patch.degrees, rational, &mut self.powers);
+        self.powers.push(0.0);
+        let radius = patch.control_points.iter().map(|p| (p - centre).norm()).fold(0.0, f64::max);
+        let (min, max) = net.iter().fold((f64::INFINITY, 0.0f64), |(a, b), p| (a.min(p[3]), b.max(p[3])));
+        self.patches.push(Patch {
+            shape,
+            cell,
+            degrees: patch.degrees,
+            rational,
+            centre,
+            intervals: patch.intervals,
+            min_weight_sq: min * min,
+            max_weight_sq: max * max,
+            radius,
+            pole,
+            order,
+            net: self.nets.len(),
+            form,
+            powers,
+        });
+        self.nets.extend(net);
+    }
+
+    /// The homogeneous control net.
+    #[inline(always)]
+    pub(super) fn net(&self, patch: &Patch) -> &[Homogeneous] {
+        &self.nets[patch.net..patch.net + (patch.degrees[0] + 1) * (patch.degrees[1] + 1)]
+    }
+
+    /// The coefficients in powers of a patch of order `N`, with `C` numbers each, and one number more.
+    #[inline(always)]
+    pub(super) fn powers<const N: usize, const C: usize>(&self, patch: &Patch) -> &[f64] {
+        &self.powers[patch.powers..][..N * N * C + 1]
+    }
+
+    /// Bytes of the prepared data.
+    pub(super) fn memory(&self) -> usize {
+        size_of_val(&self.nets[..]) + size_of_val(&self.powers[..]) + size_of_val(&self.patches[..])
+    }
+}

@@ -1,0 +1,190 @@
+//! New feet of points that have moved a little.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests may panic")]
+
+use footpoint::{
+    CurveFootpoint, CurveProjector, Error, ProjectionOptions, Status, SurfaceFootpoint, SurfaceProjector,
+    UpdateOptions, no_progress,
+};
+use nalgebra::{Vector2, Vector3};
+use nurbs_core::{BsplineCurve, BsplineSurface, Cylinder, Frame, Interval, KnotVector, Sphere, Torus};
+
+fn noise(i: usize, step: f64) -> f64 {
+    (i as f64 * step).fract()
+}
+
+/// A wavy surface with `n` control points in each direction.
+fn wavy(p: usize, q: usize, n: usize, rational: bool) -> BsplineSurface {
+    let knots = |degree| KnotVector::uniform_clamped(degree, n).unwrap();
+    let at = |k: usize| k as f64 / (n - 1) as f64;
+    let net = (0..n * n)
+        .map(|k| (at(k / n), at(k % n)))
+        .map(|(x, y)| Vector3::new(x, y, 0.05 * (9.0 * x).sin() * (7.0 * y).cos()))
+        .collect();
+    let weights = rational.then(|| (0..n * n).map(|k| 1.0 + 0.3 * noise(k, 0.7)).collect());
+    BsplineSurface::new(knots(p), knots(q), net, weights).unwrap()
+}
+
+/// All pairs of degrees up to 3 and one above, polynomial and rational, and round shapes with seams and poles.
+fn shapes() -> Vec<BsplineSurface> {
+    let mut shapes = Vec::new();
+    for p in 1..=3 {
+        for q in 1..=3 {
+            shapes.extend([false, true].map(|rational| wavy(p, q, 8, rational)));
+        }
+    }
+    shapes.push(wavy(5, 2, 8, true));
+    shapes.push(Sphere::new(Frame::WORLD, 0.7).unwrap().to_nurbs().unwrap());
+    shapes.push(Torus::new(Frame::WORLD, 0.6, 0.2).unwrap().to_nurbs().unwrap());
+    shapes.push(Cylinder::new(Frame::WORLD, 0.4, Interval::UNIT).unwrap().to_nurbs().unwrap());
+    shapes
+}
+
+/// Points around the unit cube, on all sides of the shapes and beyond their boundaries.
+fn cloud(count: usize) -> Vec<Vector3<f64>> {
+    (0..count)
+        .map(|i| Vector3::new(noise(i, 0.7548), noise(i, 0.5698), 0.3 * noise(i, 0.4301)) * 1.2)
+        .map(|x| x - Vector3::new(0.1, 0.1, 0.15))
+        .collect()
+}
+
+/// All numbers of an answer, bit by bit, NaN included.
+fn bits(foot: &SurfaceFootpoint) -> ([u64; 8], String) {
+    let [u, v] = foot.parameter;
+    let p = foot.point;
+    let numbers = [u, v, p.x, p.y, p.z, foot.distance, foot.signed_distance, foot.lower_bound];
+    let words = format!("{} {} {:?} {}", foot.shape, foot.status, foot.location, foot.iterations);
+    (numbers.map(f64::to_bits), words)
+}
+
+fn with_threads<R: Send>(threads: usize, run: impl FnOnce() -> R + Send) -> R {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(run)
+}
+
+#[test]
+fn batches_have_the_bits_of_single_updates_on_any_number_of_threads() {
+    // More than one task, so that threads matter.
+    let points = cloud(5000);
+    for (number, surface) in shapes().iter().enumerate() {
+        let projector = SurfaceProjector::new(surface);
+        let options = ProjectionOptions::default().with_mode(footpoint::Mode::Fast);
+        let feet = projector.project_many(&points, &options, &no_progress);
+        for shift in [1e-3, 3e-2] {
+            let moved: Vec<_> = points.iter().map(|x| x + Vector3::new(0.6, -0.5, 0.4) * shift).collect();
+            let run = |threads| with_threads(threads, || projector.update_many(&moved, &feet).unwrap());
+            let (one, two) = (run(1), run(2));
+            for (i, x) in moved.iter().enumerate() {
+                let single = projector.project_from(x, feet[i].shape, feet[i].parameter);
+                assert_eq!(bits(&one[i]), bits(&two[i]), "shape {number} point {i} with two threads");
+                assert_eq!(bits(&one[i]), bits(&single), "shape {number} point {i} {x:?}");
+            }
+            let converged = one.iter().filter(|foot| foot.status.is_converged()).count();
+            assert!(converged >= 4990, "shape {number}: {converged}");
+        }
+    }
+}
+
+#[test]
+fn one_step_is_never_worse_and_many_of_them_converge() {
+    let points = cloud(1000);
+    for surface in shapes() {
+        let projector = SurfaceProjector::new(&surface);
+        let mut feet = projector.project_many(&points, &ProjectionOptions::default(), &no_progress);
+        let moved: Vec<_> = points.iter().map(|x| x + Vector3::new(0.01, 0.005, -0.01)).collect();
+        let goal = projector.update_many(&moved, &feet).unwrap();
+        let one = UpdateOptions::default().with_max_steps(1);
+        for step in 0..60 {
+            let before: Vec<_> = moved.iter().zip(&feet).map(|(x, foot)| (x - foot.point).norm()).collect();
+            projector.update_in_place(&moved, &mut feet, &one).unwrap();
+            for (i, foot) in feet.iter().enumerate() {
+                assert!(
+                    foot.iterations <= 1 && foot.distance <= before[i] * (1.0 + 1e-12) + 1e-15,
+                    "{step}: {foot}"
+                );
+                assert!(((foot.point - moved[i]).norm() - foot.distance).abs() < 1e-14);
+            }
+        }
+        // A walk in one go stops at a kink; one that starts anew for every step may cross it, and come nearer.
+        let reached = feet.iter().zip(&goal).filter(|(a, b)| a.distance <= b.distance + 1e-9).count();
+        let converged = feet.iter().filter(|foot| foot.status.is_converged()).count();
+        assert!(reached >= 995 && converged >= 995, "{reached} {converged}");
+    }
+}
+
+#[test]
+fn models_of_several_shapes_and_degrees() {
+    let shapes = [
+        wavy(3, 3, 6, false),
+        wavy(2, 5, 8, true),
+        Torus::new(Frame::WORLD, 0.6, 0.2).unwrap().to_nurbs().unwrap(),
+    ];
+    let projector = SurfaceProjector::for_model(&shapes).unwrap();
+    let points = cloud(2000);
+    let feet = projector.project_many(&points, &ProjectionOptions::default(), &no_progress);
+    let moved: Vec<_> = points.iter().map(|x| x + Vector3::repeat(2e-3)).collect();
+    for (i, foot) in projector.update_many(&moved, &feet).unwrap().iter().enumerate() {
+        let single = projector.project_from(&moved[i], feet[i].shape, feet[i].parameter);
+        assert_eq!(bits(foot), bits(&single));
+    }
+}
+
+#[test]
+fn points_and_starts_that_are_unusable() {
+    let projector = SurfaceProjector::new(&wavy(3, 3, 6, false));
+    let points = vec![Vector3::new(0.4, 0.3, 0.2); 40];
+    let feet = vec![projector.project(&points[0]); 40];
+    let (mut moved, mut starts) = (points.clone(), feet.clone());
+    moved[0].x = f64::NAN;
+    moved[1].y = f64::INFINITY;
+    starts[2].parameter[0] = f64::NAN;
+    starts[3].parameter[1] = f64::NEG_INFINITY;
+    starts[4].shape = 1;
+    starts[5].parameter = [-7.0, 1e300];
+    moved[6] = Vector3::repeat(1e200);
+    for count in [7, 40] {
+        let updated = projector.update_many(&moved[..count], &starts[..count]).unwrap();
+        for (i, foot) in updated.iter().enumerate() {
+            match i {
+                0..=4 => assert_eq!(foot.status, Status::InvalidPoint, "{i}"),
+                5 => assert!(foot.status.is_converged() && foot.distance.is_finite()),
+                // Squares overflow: no status may claim a foot.
+                6 => assert!(!foot.status.is_converged(), "{foot}"),
+                _ => assert!(foot.status.is_converged() && (foot.distance - feet[0].distance).abs() < 1e-12),
+            }
+        }
+    }
+    let error = projector.update_many(&points, &feet[..3]).unwrap_err();
+    assert_eq!(error, Error::StartCount { found: 3, needed: 40 });
+    let none = UpdateOptions::default().with_max_steps(0);
+    let error = projector.update_in_place(&points, &mut feet.clone(), &none).unwrap_err();
+    assert!(matches!(error, Error::Option { option: "max_steps", .. }), "{error}");
+    assert!(projector.update_many(&[], &[]).unwrap().is_empty());
+}
+
+#[test]
+fn curves_are_updated_like_surfaces() {
+    for (p, rational) in [(1, false), (2, true), (3, false), (3, true), (5, false)] {
+        let n = 12;
+        let net = (0..n).map(|i| Vector2::new(i as f64, (0.9 * i as f64).sin())).collect();
+        let weights = rational.then(|| (0..n).map(|k| 1.0 + 0.3 * noise(k, 0.7)).collect());
+        let curve = BsplineCurve::new(KnotVector::uniform_clamped(p, n).unwrap(), net, weights).unwrap();
+        let projector = CurveProjector::new(&curve);
+        let points: Vec<_> =
+            (0..5000).map(|i| Vector2::new(11.0 * noise(i, 0.618), 3.0 * noise(i, 0.7548) - 1.5)).collect();
+        let feet = projector.project_many(&points, &ProjectionOptions::default(), &no_progress);
+        let moved: Vec<_> = points.iter().map(|x| x + Vector2::new(0.01, -0.02)).collect();
+        let run = |threads| with_threads(threads, || projector.update_many(&moved, &feet).unwrap());
+        let (one, two) = (run(1), run(2));
+        for i in 0..points.len() {
+            let single = projector.project_from(&moved[i], feet[i].shape, feet[i].parameter);
+            assert!(one[i] == two[i] && one[i] == single, "{:?} {:?} {single:?}", one[i], two[i]);
+        }
+        let mut invalid: Vec<CurveFootpoint<2>> = vec![feet[0]; 3];
+        invalid[0].parameter = f64::NAN;
+        invalid[1].shape = 9;
+        let updated =
+            projector.update_many(&[moved[0], moved[0], Vector2::repeat(f64::NAN)], &invalid).unwrap();
+        assert!(updated.iter().all(|foot| foot.status == Status::InvalidPoint));
+        assert!(projector.update_many(&moved, &feet[..1]).is_err());
+    }
+}

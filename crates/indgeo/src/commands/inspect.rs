@@ -1,0 +1,150 @@
+//! `indgeo inspect`: deviations of a scan from its model, and whether they are within tolerance.
+
+use super::Outcome;
+use super::project::Search;
+use crate::args::Common;
+use crate::error::Error;
+use crate::inspecting::{self, Job};
+use crate::report::Report;
+use crate::summary;
+use industrial_geometry::inspection::{Along, InspectionOptions, Tolerance};
+use std::path::{Path, PathBuf};
+
+/// Measure the deviations of POINTS from MODEL and judge them by a tolerance
+///
+/// Signed distances from the exact surfaces (never from triangles in their place), statistics per surface and in total,
+/// the worst points, and a page to look at.
+#[derive(Debug, clap::Args)]
+#[command(after_long_help = AFTER_HELP)]
+pub(crate) struct Args {
+    /// NURBS surfaces (JSON), or a triangle mesh (STL, PLY, OBJ, OFF)
+    model: PathBuf,
+    /// Points: PLY, XYZ, CSV, PTS, PCD, OBJ, STL or OFF; of a mesh its vertices
+    points: PathBuf,
+    /// Allowed deviation to both sides; --lower and --upper replace one limit each
+    #[arg(long, short, value_name = "T", required_unless_present_all = ["lower", "upper"])]
+    tolerance: Option<f64>,
+    /// Smallest allowed deviation, with its sign [default: -T]
+    #[arg(long, value_name = "L", allow_negative_numbers = true)]
+    lower: Option<f64>,
+    /// Largest allowed deviation, with its sign [default: T]
+    #[arg(long, value_name = "U", allow_negative_numbers = true)]
+    upper: Option<f64>,
+    /// Share of the points that must be within tolerance to pass, 0 to 1
+    #[arg(long, value_name = "SHARE", default_value_t = 1.0)]
+    min_share: f64,
+    /// Line along which a point is projected: `shortest`, `normal` (the point's own), or a direction X,Y,Z
+    #[arg(long, value_name = "LINE", default_value = "shortest", allow_hyphen_values = true, value_parser = parse_along)]
+    along: Along,
+    /// The same as --along X,Y,Z
+    #[arg(long, value_name = "X,Y,Z", conflicts_with = "along", allow_hyphen_values = true, value_parser = parse_direction)]
+    direction: Option<[f64; 3]>,
+    /// Count points farther from the model than this, but do not use them
+    #[arg(long, value_name = "D", default_value_t = f64::INFINITY)]
+    max_distance: f64,
+    /// Count points beyond the boundary of the model, but do not use them
+    #[arg(long)]
+    drop_beyond_boundary: bool,
+    /// How many of the worst points are listed
+    #[arg(long, value_name = "K", default_value_t = 10)]
+    worst: u16,
+    /// Move the points first: JSON with the `matrix` (4 × 4, row by row)
+    #[arg(long, value_name = "FILE")]
+    transform: Option<PathBuf>,
+    /// Write a page (HTML) that works offline: map of the deviations, histogram, tables
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
+    /// Write the deviation of every point; its format follows from the extension: .csv, .ply or .json
+    #[arg(long, short, value_name = "OUT")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    search: Search,
+}
+
+const AFTER_HELP: &str = "\
+A deviation is the distance of a point from the model along the line of projection, positive on the side to which the
+normal (du x dv, or that of the triangles) points. Along normals and directions, the nearest crossing in either sense counts.
+
+Verdict: pass if (points within) / (points measured + points that did not converge) >= SHARE, and there is one. Points
+beyond D, beyond the boundary (if dropped), whose line misses the model, without a normal, or not finite are counted, but
+not judged. Exit status 0: pass; 1: fail; 2: bad input or usage.
+
+Columns of OUT, one row per point, in the order of POINTS:
+  surfaces  x,y,z,foot_x,foot_y,foot_z,normal_x,normal_y,normal_z,distance,shape,u,v,location,result
+  mesh      ... with triangle in place of u,v
+x,y,z are the coordinates after --transform. result: within, over, under, or why the point is not judged:
+beyond_max_distance, beyond_boundary, no_hit, no_normal, not_converged, invalid_point. PLY has red,green,blue too.
+The form of --json is that of docs/schema/inspection.schema.json.
+
+Examples:
+  indgeo inspect part.json scan.ply --tolerance 0.05 --report report.html --json report.json
+  indgeo inspect part.stl scan.xyz --lower -0.1 --upper 0.3 --min-share 0.99 -o deviations.ply
+  indgeo inspect part.json scan.ply -t 0.05 --along 0,0,1 --max-distance 2";
+
+fn parse_direction(text: &str) -> Result<[f64; 3], String> {
+    let parts: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
+    let direction: Option<[f64; 3]> = parts.ok().and_then(|parts| parts.try_into().ok());
+    let is_one =
+        |d: &[f64; 3]| d.iter().all(|value| value.is_finite()) && d.iter().any(|value| *value != 0.0);
+    direction.filter(is_one).ok_or_else(|| "a direction is three numbers, not all zero: X,Y,Z".to_owned())
+}
+
+fn parse_along(text: &str) -> Result<Along, String> {
+    match text {
+        "shortest" => Ok(Along::Shortest),
+        "normal" => Ok(Along::Normal),
+        _ => parse_direction(text)
+            .map(Along::Direction)
+            .map_err(|_| "choose shortest, normal, or a direction X,Y,Z that is not zero".to_owned()),
+    }
+}
+
+impl Args {
+    /// The files that are read, and those that are written.
+    pub(crate) fn files(&self) -> (Vec<&Path>, Vec<PathBuf>) {
+        let read = [Some(&self.model), Some(&self.points), self.transform.as_ref()];
+        let written = [&self.report, &self.out];
+        (
+            read.into_iter().flatten().map(PathBuf::as_path).collect(),
+            written.into_iter().flatten().cloned().collect(),
+        )
+    }
+
+    fn options(&self) -> Result<InspectionOptions, Error> {
+        if let Some(half) = self.tolerance.filter(|half| half.is_nan() || *half <= 0.0) {
+            return Err(Error::usage(format!("--tolerance is {half}, it must be positive"), "give a length"));
+        }
+        let half = self.tolerance.unwrap_or(f64::NAN);
+        let tolerance = Tolerance::new(self.lower.unwrap_or(-half), self.upper.unwrap_or(half));
+        let options = tolerance.and_then(|tolerance| {
+            let options = InspectionOptions::new(tolerance)
+                .with_min_share(self.min_share)
+                .with_along(self.direction.map_or(self.along, Along::Direction))
+                .with_max_distance(self.max_distance)
+                .with_drop_beyond_boundary(self.drop_beyond_boundary)
+                .with_worst(usize::from(self.worst));
+            options.validate().map(|()| options)
+        });
+        let options =
+            options.map_err(|error| Error::usage(error.to_string(), "see `indgeo inspect --help`"))?;
+        Ok(options.with_projection(self.search.options()?))
+    }
+}
+
+/// Runs the command.
+pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<Outcome, Error> {
+    let job = Job {
+        model: &args.model,
+        points: &args.points,
+        transform: args.transform.as_deref(),
+        page: args.report.as_deref(),
+        out: args.out.as_deref(),
+        options: args.options()?,
+        mode: args.search.mode.name(),
+        drop_non_finite: args.search.drop_non_finite,
+        threads: common.threads,
+        quiet: common.quiet,
+    };
+    let found = inspecting::run(&job, report)?;
+    Ok(Outcome { summary: summary::of(report), converged: found.verdict.pass, otherwise: "out_of_tolerance" })
+}

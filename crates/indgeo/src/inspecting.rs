@@ -1,0 +1,238 @@
+//! The inspection of a cloud: read, measure, judge, write. `inspect` and `demo` both run this.
+
+use crate::error::Error;
+use crate::files;
+use crate::model::{Loaded, Model};
+use crate::output::{self, DeviationTable, Format, Rows};
+use crate::points::Points;
+use crate::progress::Progress;
+use crate::report::{Input, ModelSummary, Options, Output, Report, Results, Timings};
+use crate::transform::Transform;
+use industrial_geometry::inspection::html::{self, Page};
+use industrial_geometry::inspection::{
+    self, Along, Deviation, Inspection, InspectionOptions, Nominal, Partial,
+};
+use industrial_geometry::io::AtomicFile;
+use std::io::BufWriter;
+use std::path::Path;
+
+/// Most points in the picture of a report.
+const MOST_POINTS: usize = 1_000_000;
+
+/// What is to be done.
+#[derive(Debug)]
+pub(crate) struct Job<'a> {
+    /// File of the model.
+    pub(crate) model: &'a Path,
+    /// File of the points.
+    pub(crate) points: &'a Path,
+    /// File of a motion to be applied to the points.
+    pub(crate) transform: Option<&'a Path>,
+    /// File of the page.
+    pub(crate) page: Option<&'a Path>,
+    /// File of the deviations per point.
+    pub(crate) out: Option<&'a Path>,
+    /// Options of the library.
+    pub(crate) options: InspectionOptions,
+    /// The mode of the search, by its name on the command line.
+    pub(crate) mode: &'static str,
+    /// Whether points that are not finite are left out.
+    pub(crate) drop_non_finite: bool,
+    /// Number of threads asked for.
+    pub(crate) threads: Option<u16>,
+    /// Whether nobody wants to watch.
+    pub(crate) quiet: bool,
+}
+
+/// Does the job and fills in the report.
+pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Inspection, Error> {
+    let format = job.out.map(Format::of).transpose()?;
+    if let Some(page) = job.page {
+        check_extension(page)?;
+    }
+    let inputs: Vec<&Path> = [job.model, job.points].into_iter().chain(job.transform).collect();
+    for path in [job.out, job.page].into_iter().flatten() {
+        files::check_writable(path, &inputs)?;
+    }
+    let mut timings = Timings::default();
+    let loaded = Timings::measure(&mut timings.read, || Loaded::read(job.model))?;
+    report.inputs.push(Input::new("model", job.model, &loaded.report));
+    let transform = job.transform.map(Transform::read).transpose()?;
+    let mut points = Timings::measure(&mut timings.read, || Points::read(job.points, job.drop_non_finite))?;
+    report.inputs.push(Input::new("points", job.points, &points.report));
+    points.in_space(job.points)?;
+    if job.options.along == Along::Normal && points.normals.is_none() {
+        let advice = "use --along shortest, or a file with normals (nx, ny, nz)";
+        return Err(Error::content(job.points, "the points have no normals", advice));
+    }
+    report.timings = timings;
+    warn(report, job, &loaded, &points);
+    if let Some(transform) = &transform {
+        transform.apply(&mut points);
+    }
+
+    let is_mesh = matches!(loaded.model, Model::Mesh(_));
+    let nominal = Timings::measure(&mut timings.build, || build(loaded, job, report))?;
+    report.model = Some(ModelSummary {
+        kind: if is_mesh { "mesh" } else { "nurbs" },
+        dimension: 3,
+        shapes: nominal.shapes().len(),
+        patches: nominal.piece_count(),
+        signed: nominal.is_signed(),
+    });
+    report.options = Some(Options {
+        mode: job.mode,
+        relative_gap: job.options.projection.relative_gap,
+        threads: job.threads,
+        transform: transform.map(|transform| transform.rows()),
+    });
+    let progress = Progress::new("measuring", job.quiet);
+    let measured = Timings::measure(&mut timings.compute, || -> Result<_, inspection::Error> {
+        let tell = |done: usize, total: usize| progress.report(done, total);
+        let deviations =
+            nominal.measure(&points.positions, points.normals.as_deref(), &job.options, &tell)?;
+        let mut partial = Partial::new(&job.options)?;
+        partial.extend(0, &points.positions, &deviations);
+        Ok((partial.finish(&job.options, nominal.shapes())?, deviations))
+    });
+    let (found, deviations) = measured.map_err(|error| usage(&error))?;
+    drop(progress);
+    report.points_per_second =
+        (timings.compute > 0.0).then(|| points.positions.len() as f64 / timings.compute);
+    report.timings = timings;
+    write(job, format, &points, &deviations, &found, &nominal, is_mesh, report)?;
+    report.results = Some(Results::Inspection(Box::new(found.clone())));
+    Ok(found)
+}
+
+fn check_extension(page: &Path) -> Result<(), Error> {
+    match files::extension(page).as_str() {
+        "html" | "htm" => Ok(()),
+        _ => Err(Error::content(page, "the report is a page", "choose a name that ends in .html")),
+    }
+}
+
+fn usage(error: &inspection::Error) -> Error {
+    Error::usage(error.to_string(), "see `indgeo inspect --help`")
+}
+
+/// The nominal shape; curves of a model are left out with a warning.
+fn build(loaded: Loaded, job: &Job<'_>, report: &mut Report) -> Result<Nominal, Error> {
+    let advice = "give NURBS surfaces or a mesh; `indgeo project` takes curves";
+    let names = |indices: &[u32]| -> Vec<Option<String>> {
+        indices
+            .iter()
+            .map(|&index| loaded.shapes.get(index as usize).and_then(|shape| shape.1.clone()))
+            .collect()
+    };
+    let nominal = match loaded.model {
+        Model::Space { surfaces, .. } if surfaces.shapes.is_empty() => {
+            return Err(Error::content(
+                job.model,
+                "deviations are measured from surfaces, this model has none",
+                advice,
+            ));
+        }
+        Model::Plane(_) => {
+            return Err(Error::content(
+                job.model,
+                "deviations are measured from surfaces, this model lies in the plane",
+                advice,
+            ));
+        }
+        Model::Space { surfaces, curves } => {
+            if !curves.shapes.is_empty() {
+                report.warnings.push(format!(
+                    "{}: {} curves are left out, deviations are measured from surfaces; surfaces are numbered without them",
+                    job.model.display(),
+                    curves.shapes.len()
+                ));
+            }
+            let names = names(&surfaces.indices);
+            Nominal::from_surfaces(surfaces.shapes).map(|nominal| nominal.with_names(names))
+        }
+        Model::Mesh(mesh) => Nominal::from_mesh(&mesh),
+    };
+    let nominal = nominal
+        .map_err(|error| Error::content(job.model, error.to_string(), "check it with `indgeo info`"))?;
+    if !nominal.is_signed() {
+        report.warnings.push(format!(
+            "{}: neighbouring triangles disagree on the side of their normals, so distances have no sign",
+            job.model.display()
+        ));
+    }
+    Ok(nominal)
+}
+
+fn warn(report: &mut Report, job: &Job<'_>, loaded: &Loaded, points: &Points) {
+    for (path, read) in [(job.model, &loaded.report), (job.points, &points.report)] {
+        let warnings = read.warnings.iter().map(|warning| format!("{}: {warning}", path.display()));
+        report.warnings.extend(warnings);
+    }
+    let read = &points.report;
+    if read.non_finite > 0 {
+        report.warnings.push(format!(
+            "{}: {} of {} points have a coordinate that is NaN or infinite; they are counted, not used",
+            job.points.display(),
+            read.non_finite,
+            read.points
+        ));
+    }
+}
+
+#[expect(clippy::too_many_arguments, reason = "everything that was found goes into the files")]
+fn write(
+    job: &Job<'_>,
+    format: Option<Format>,
+    points: &Points,
+    deviations: &[Deviation],
+    found: &Inspection,
+    nominal: &Nominal,
+    is_mesh: bool,
+    report: &mut Report,
+) -> Result<(), Error> {
+    let mut outputs = Vec::new();
+    let mut seconds = report.timings.write;
+    let alignment = report.options.as_ref().and_then(|options| options.transform);
+    Timings::measure(&mut seconds, || -> Result<(), Error> {
+        if let (Some(path), Some(format)) = (job.out, format) {
+            let table = DeviationTable {
+                points: &points.positions,
+                deviations,
+                triangles: &points.triangles,
+                tolerance: job.options.tolerance,
+                is_mesh,
+                coloured: format == Format::Ply,
+            };
+            let bytes = output::write(path, format, &table)?;
+            let content = format!("{} rows: {}", deviations.len(), table.names().join(","));
+            outputs.push(Output { path: path.to_path_buf(), bytes, content });
+        }
+        if let Some(path) = job.page {
+            let name =
+                |path: &Path| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+            let (model, cloud) = (name(job.model), name(job.points));
+            let page = Page {
+                title: &format!("Inspection of {cloud}"),
+                model: &model,
+                cloud: &cloud,
+                program: concat!("indgeo ", env!("CARGO_PKG_VERSION")),
+                inspection: found,
+                points: &points.positions,
+                deviations,
+                backdrop: &nominal.backdrop(),
+                alignment,
+                most_points: MOST_POINTS,
+            };
+            let mut file = BufWriter::new(AtomicFile::create(path)?);
+            html::write(&mut file, &page).map_err(|source| Error::write(path, source))?;
+            let file = file.into_inner().map_err(|error| Error::write(path, error.into_error()))?;
+            let content = "page: map of the deviations, histogram, tables".to_owned();
+            outputs.push(Output { path: path.to_path_buf(), bytes: file.commit()?, content });
+        }
+        Ok(())
+    })?;
+    report.timings.write = seconds;
+    report.outputs.append(&mut outputs);
+    Ok(())
+}

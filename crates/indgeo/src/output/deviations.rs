@@ -1,0 +1,119 @@
+//! Deviations, one row per point.
+
+use super::rows::{Cell, Rows};
+use industrial_geometry::inspection::{Class, ColourScale, Deviation, Outcome, Tolerance};
+use industrial_geometry::mesh::nalgebra::Point3;
+
+/// Points as they were inspected, and their deviations.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct DeviationTable<'a> {
+    /// The points.
+    pub(crate) points: &'a [Point3<f64>],
+    /// One deviation per point.
+    pub(crate) deviations: &'a [Deviation],
+    /// Triangles over the points.
+    pub(crate) triangles: &'a [[u32; 3]],
+    /// The limits.
+    pub(crate) tolerance: Tolerance,
+    /// Whether the model is a mesh, with triangles instead of parameters.
+    pub(crate) is_mesh: bool,
+    /// Whether rows end with a colour.
+    pub(crate) coloured: bool,
+}
+
+const COMMON: [&str; 11] =
+    ["x", "y", "z", "foot_x", "foot_y", "foot_z", "normal_x", "normal_y", "normal_z", "distance", "shape"];
+const ON_SURFACES: [&str; 2] = ["u", "v"];
+const ON_MESH: [&str; 1] = ["triangle"];
+const LAST: [&str; 2] = ["location", "result"];
+const COLOURS: [&str; 3] = ["red", "green", "blue"];
+/// Names of places, in the order of their numbers in binary files.
+const PLACES: [&str; 9] =
+    ["none", "interior", "edge", "corner", "seam", "pole", "face", "triangle_edge", "vertex"];
+
+impl DeviationTable<'_> {
+    fn where_on_shape(&self) -> &'static [&'static str] {
+        if self.is_mesh { &ON_MESH } else { &ON_SURFACES }
+    }
+
+    /// `within`, `over`, `under`, or why there is no result.
+    fn result(&self, deviation: &Deviation) -> (&'static str, u8) {
+        match deviation.class(&self.tolerance) {
+            Some(Class::Within) => ("within", 0),
+            Some(Class::Over) => ("over", 1),
+            Some(Class::Under) => ("under", 2),
+            None => (deviation.outcome.name(), number(deviation.outcome)),
+        }
+    }
+}
+
+/// The number of a point without a result in binary files.
+fn number(outcome: Outcome) -> u8 {
+    (2u8..).zip(Outcome::ALL).find(|(_, other)| *other == outcome).map_or(u8::MAX, |(number, _)| number)
+}
+
+impl Rows for DeviationTable<'_> {
+    fn names(&self) -> Vec<&'static str> {
+        let mut names = COMMON.to_vec();
+        names.extend(self.where_on_shape());
+        names.extend(LAST);
+        if self.coloured {
+            names.extend(COLOURS);
+        }
+        names
+    }
+
+    fn count(&self) -> usize {
+        self.points.len()
+    }
+
+    fn cell(&self, row: usize, column: usize) -> Cell {
+        let (point, deviation) = (&self.points[row], &self.deviations[row]);
+        let index = |value: u32| Cell::Index((value != u32::MAX).then_some(value));
+        let rest = self.where_on_shape().len();
+        match column {
+            0..3 => Cell::Given(point[column]),
+            3..6 => Cell::Number(deviation.foot[column - 3]),
+            6..9 => Cell::Number(deviation.normal[column - 6]),
+            9 => Cell::Number(deviation.distance),
+            10 => index(deviation.shape),
+            11 if self.is_mesh => index(deviation.triangle),
+            11 | 12 if !self.is_mesh => Cell::Number(deviation.parameter[column - 11]),
+            _ => match column - COMMON.len() - rest {
+                0 => {
+                    let name = deviation.place.name();
+                    let code = (0u8..).zip(PLACES).find(|(_, place)| *place == name);
+                    Cell::Name(name, code.map_or(u8::MAX, |(code, _)| code))
+                }
+                1 => {
+                    let (name, code) = self.result(deviation);
+                    Cell::Name(name, code)
+                }
+                channel => {
+                    let counts = deviation.outcome == Outcome::Measured;
+                    let value = if counts { deviation.distance } else { f64::NAN };
+                    Cell::Byte(ColourScale::new(self.tolerance).colour(value)[(channel - 2).min(2)])
+                }
+            },
+        }
+    }
+
+    fn triangles(&self) -> &[[u32; 3]] {
+        self.triangles
+    }
+
+    fn comments(&self) -> Vec<String> {
+        let places: Vec<String> =
+            PLACES.iter().enumerate().map(|(code, name)| format!("{code} {name}")).collect();
+        let outcomes: Vec<String> = Outcome::ALL[1..]
+            .iter()
+            .map(|outcome| format!("{} {}", number(*outcome), outcome.name()))
+            .collect();
+        vec![
+            format!("deviations by indgeo {}, in the unit of the input", env!("CARGO_PKG_VERSION")),
+            format!("tolerance: {} to {}", self.tolerance.lower, self.tolerance.upper),
+            format!("location: {}", places.join(", ")),
+            format!("result: 0 within, 1 over, 2 under, {}", outcomes.join(", ")),
+        ]
+    }
+}

@@ -1,0 +1,30 @@
+//! What the writers of results ask of a table.
+
+/// The content of a cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Cell {
+    /// A coordinate of the input, given back as read, whatever it is.
+    Given(f64),
+    /// A number; NaN where there is none.
+    Number(f64),
+    /// An index, if there is one.
+    Index(Option<u32>),
+    /// One of a few names, and its number in binary files.
+    Name(&'static str, u8),
+    /// A channel of a colour.
+    Byte(u8),
+}
+
+/// A table with one row per point.
+pub(crate) trait Rows: Sync {
+    /// The names in the header.
+    fn names(&self) -> Vec<&'static str>;
+    /// Number of rows.
+    fn count(&self) -> usize;
+    /// A cell; cells of a column are all of one kind.
+    fn cell(&self, row: usize, column: usize) -> Cell;
+    /// Triangles over the points, kept in formats that can hold them.
+    fn triangles(&self) -> &[[u32; 3]];
+    /// What a reader of a binary file should know.
+    fn comments(&self) -> Vec<String>;
+}

@@ -1,0 +1,97 @@
+//! Triangles that show the nominal shape. Nothing is measured on them.
+
+use mesh_core::{BoundingBox, TriangleMesh};
+use nalgebra::{Point3, Vector3};
+use nurbs_core::{BsplineSurface, TessellationOptions};
+use std::collections::HashMap;
+
+/// Chord tolerance as a share of the size of a surface.
+const FINE: f64 = 2e-4;
+/// Most vertices of all surfaces, and of a mesh before it is thinned.
+const MOST: usize = 200_000;
+/// Cells along the longest side of a mesh that is thinned.
+const CELLS: f64 = 250.0;
+
+/// Triangles with normals at their corners.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Backdrop {
+    /// Vertices.
+    pub vertices: Vec<Point3<f64>>,
+    /// Unit normals of the vertices.
+    pub normals: Vec<Vector3<f64>>,
+    /// Corners of the triangles.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl Backdrop {
+    /// Triangles near the surfaces. A surface that cannot be shown is left out.
+    pub(crate) fn of_surfaces(surfaces: &[BsplineSurface]) -> Self {
+        let mut out = Self::default();
+        for surface in surfaces {
+            let most = MOST / surfaces.len().max(1);
+            let mut tolerance = FINE * surface.control_box().diagonal();
+            for _ in 0..12 {
+                let options = TessellationOptions::new(tolerance).with_max_vertices(most.max(4));
+                if let Ok(found) = surface.tessellate(&options) {
+                    let vertices = found.vertices.into_iter().map(Point3::from);
+                    out.append(vertices.collect(), found.normals, &found.triangles);
+                    break;
+                }
+                tolerance *= 2.0;
+            }
+        }
+        out
+    }
+
+    /// The triangles of a mesh; of a large one with its vertices pulled together in cells.
+    pub(crate) fn of_mesh(mesh: &TriangleMesh) -> Self {
+        let (mut vertices, mut triangles) = (mesh.vertices().to_vec(), mesh.triangles().to_vec());
+        if vertices.len() > MOST
+            && let Some(bounds) = mesh.bounding_box()
+        {
+            (vertices, triangles) = pulled_together(&vertices, &triangles, &bounds);
+        }
+        let finite = |vertex: u32| vertices[vertex as usize].iter().all(|value| value.is_finite());
+        triangles.retain(|corners| corners.iter().all(|&corner| finite(corner)));
+        let mut sums = vec![Vector3::zeros(); vertices.len()];
+        for corners in &triangles {
+            let [a, b, c] = corners.map(|corner| vertices[corner as usize]);
+            let normal = (b - a).cross(&(c - a));
+            corners.iter().for_each(|&corner| sums[corner as usize] += normal);
+        }
+        let normals = sums.iter().map(|sum| sum.try_normalize(0.0).unwrap_or_default()).collect();
+        let mut out = Self::default();
+        out.append(vertices, normals, &triangles);
+        out
+    }
+
+    fn append(&mut self, vertices: Vec<Point3<f64>>, normals: Vec<Vector3<f64>>, triangles: &[[u32; 3]]) {
+        let Ok(first) = u32::try_from(self.vertices.len()) else { return };
+        self.vertices.extend(vertices);
+        self.normals.extend(normals);
+        self.triangles.extend(triangles.iter().map(|corners| corners.map(|corner| corner + first)));
+    }
+}
+
+/// One vertex per cell, the first one met, and the triangles that are left.
+fn pulled_together(
+    vertices: &[Point3<f64>],
+    triangles: &[[u32; 3]],
+    bounds: &BoundingBox,
+) -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
+    let scale = CELLS / bounds.extent().amax().max(f64::MIN_POSITIVE);
+    #[expect(clippy::cast_possible_truncation, reason = "cells are few; NaN becomes 0")]
+    let cell = |point: &Point3<f64>| [0, 1, 2].map(|axis| ((point[axis] - bounds.min[axis]) * scale) as i32);
+    let mut kept = Vec::new();
+    let mut numbers = HashMap::new();
+    let mut number_of = |corner: u32| {
+        let vertex = &vertices[corner as usize];
+        *numbers.entry(cell(vertex)).or_insert_with(|| {
+            kept.push(*vertex);
+            u32::try_from(kept.len() - 1).unwrap_or(u32::MAX)
+        })
+    };
+    let renamed: Vec<[u32; 3]> = triangles.iter().map(|corners| corners.map(&mut number_of)).collect();
+    let apart = |[a, b, c]: &[u32; 3]| a != b && b != c && c != a;
+    (kept, renamed.into_iter().filter(apart).collect())
+}

@@ -1,0 +1,149 @@
+//! The deviation of one point.
+
+use crate::{Class, Tolerance};
+use nalgebra::{Point3, Vector3};
+
+/// Why a point has a deviation that counts, or none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+#[non_exhaustive]
+pub enum Outcome {
+    /// The deviation was measured and counts.
+    Measured,
+    /// It is larger than the largest distance asked for.
+    BeyondMaxDistance,
+    /// The footpoint lies on the boundary of the shape, and such points were not asked for.
+    BeyondBoundary,
+    /// The line through the point does not meet the shape (within the largest distance).
+    NoHit,
+    /// Distances are measured along the normals of the points, but this point has none.
+    NoNormal,
+    /// The search for the footpoint did not converge. Such a point counts as out of tolerance.
+    NotConverged,
+    /// A coordinate is NaN or infinite.
+    InvalidPoint,
+    /// The run was cancelled before this point was treated.
+    Cancelled,
+}
+
+impl Outcome {
+    /// All outcomes, in the order of their numbers in files.
+    pub const ALL: [Self; 8] = [
+        Self::Measured,
+        Self::BeyondMaxDistance,
+        Self::BeyondBoundary,
+        Self::NoHit,
+        Self::NoNormal,
+        Self::NotConverged,
+        Self::InvalidPoint,
+        Self::Cancelled,
+    ];
+
+    /// The name used in files: `measured`, `beyond_max_distance`, …
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Measured => "measured",
+            Self::BeyondMaxDistance => "beyond_max_distance",
+            Self::BeyondBoundary => "beyond_boundary",
+            Self::NoHit => "no_hit",
+            Self::NoNormal => "no_normal",
+            Self::NotConverged => "not_converged",
+            Self::InvalidPoint => "invalid_point",
+            Self::Cancelled => "cancelled",
+        }
+    }
+}
+
+/// Where on the nominal shape a footpoint lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
+pub enum Place {
+    /// Nowhere: there is no footpoint.
+    None,
+    /// Inside the domain of a surface.
+    Interior,
+    /// On a boundary curve of a surface.
+    Edge,
+    /// At a corner of a surface.
+    Corner,
+    /// Where a closed surface meets itself.
+    Seam,
+    /// At a point into which an edge of the domain is collapsed.
+    Pole,
+    /// Inside a triangle.
+    Face,
+    /// On an edge of the mesh.
+    TriangleEdge,
+    /// At a vertex of the mesh.
+    Vertex,
+}
+
+impl Place {
+    /// The name used in files: `interior`, `edge`, …
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Interior => "interior",
+            Self::Edge => "edge",
+            Self::Corner => "corner",
+            Self::Seam => "seam",
+            Self::Pole => "pole",
+            Self::Face => "face",
+            Self::TriangleEdge => "triangle_edge",
+            Self::Vertex => "vertex",
+        }
+    }
+}
+
+/// How far a point is from the nominal shape, and where. Numbers are NaN where there is nothing to say.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Deviation {
+    /// Whether the deviation counts.
+    pub outcome: Outcome,
+    /// The footpoint: the closest point of the shape, or the one in which the line of projection meets it.
+    pub foot: Point3<f64>,
+    /// Unit normal of the shape at the footpoint; zero where it has none.
+    pub normal: Vector3<f64>,
+    /// Length of the line of projection, positive on the side to which the normal points. Never negative where the
+    /// shape has no sides (a mesh whose triangles disagree).
+    pub distance: f64,
+    /// How much nearer another point of the shape could be at most.
+    pub gap: f64,
+    /// Parameters `(u, v)`; NaN on a mesh.
+    pub parameter: [f64; 2],
+    /// Index of the surface in the model, 0 on a mesh; `u32::MAX` where there is none.
+    pub shape: u32,
+    /// Index of the triangle of a mesh; `u32::MAX` on surfaces.
+    pub triangle: u32,
+    /// Where the footpoint lies.
+    pub place: Place,
+    /// Whether that is the boundary of an open shape.
+    pub on_boundary: bool,
+}
+
+impl Deviation {
+    /// A point without a footpoint.
+    #[must_use]
+    pub fn none(outcome: Outcome) -> Self {
+        Self {
+            outcome,
+            foot: Point3::new(f64::NAN, f64::NAN, f64::NAN),
+            normal: Vector3::repeat(f64::NAN),
+            distance: f64::NAN,
+            gap: f64::NAN,
+            parameter: [f64::NAN; 2],
+            shape: u32::MAX,
+            triangle: u32::MAX,
+            place: Place::None,
+            on_boundary: false,
+        }
+    }
+
+    /// Where a deviation that counts lies with respect to a tolerance; `None` where none counts.
+    #[must_use]
+    pub fn class(&self, tolerance: &Tolerance) -> Option<Class> {
+        (self.outcome == Outcome::Measured).then(|| tolerance.class(self.distance))
+    }
+}

@@ -1,0 +1,161 @@
+//! Results of a part of a cloud, which can be stored, sent and merged.
+
+use crate::inspection::{Inspection, ShapeDeviations, Verdict};
+use crate::tally::Tally;
+use crate::worst::WorstPoints;
+use crate::{Deviation, Error, InspectionOptions, Outcome, ShapeInfo};
+use nalgebra::Point3;
+use std::collections::BTreeMap;
+
+/// The result of inspecting a part of a cloud.
+///
+/// Tiles of a huge cloud can be measured on many machines, each with the index of its first point, and their results
+/// merged: in any grouping and order the outcome has the same bits as that of one run over the whole cloud, because
+/// counts, sums ([`ExactSum`](crate::ExactSum)) and distributions ([`Distribution`](crate::Distribution)) are exact.
+/// Doubles are written to files as integers, so that no reader or writer of decimals can change a bit.
+///
+/// ```
+/// use inspection::{InspectionOptions, Nominal, Partial, Tolerance};
+/// use nalgebra::Point3;
+/// # use nurbs_core::{Frame, Sphere};
+/// # use nalgebra::Vector3;
+///
+/// let sphere = Sphere::new(Frame::new(Vector3::zeros(), Vector3::z(), Vector3::x())?, 2.0)?;
+/// let nominal = Nominal::from_analytic(&[sphere.into()])?;
+/// let options = InspectionOptions::new(Tolerance::symmetric(0.1)?);
+/// let points: Vec<_> = (0..100).map(|i| Point3::new(2.0 + 0.0021 * f64::from(i), 0.0, 0.0)).collect();
+///
+/// let mut whole = Partial::new(&options)?;
+/// for (tile, first) in points.chunks(30).zip((0..).step_by(30)) {
+///     let deviations = nominal.measure(tile, None, &options, &inspection::no_progress)?;
+///     let mut part = Partial::new(&options)?;
+///     part.extend(first, tile, &deviations);
+///     whole.merge(&part)?;
+/// }
+/// let inspection = whole.finish(&options, nominal.shapes())?;
+/// assert_eq!(inspection.total.within, 48);
+/// assert!(!inspection.verdict.pass);
+/// assert_eq!(inspection.worst[0].index, 99);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Partial {
+    /// Bits of the options on which counts depend.
+    key: [u64; 4],
+    points: u64,
+    outcomes: BTreeMap<Outcome, u64>,
+    shapes: BTreeMap<u32, Tally>,
+    worst: WorstPoints,
+    /// Bits of the largest gap.
+    largest_gap: u64,
+}
+
+impl Partial {
+    /// Nothing inspected yet.
+    ///
+    /// # Errors
+    /// As [`InspectionOptions::validate`].
+    pub fn new(options: &InspectionOptions) -> Result<Self, Error> {
+        options.validate()?;
+        Ok(Self {
+            key: key(options),
+            points: 0,
+            outcomes: BTreeMap::new(),
+            shapes: BTreeMap::new(),
+            worst: WorstPoints::new(options),
+            largest_gap: 0,
+        })
+    }
+
+    /// Adds the points of a tile with their deviations; `first` is the index of its first point in the whole cloud.
+    pub fn extend(&mut self, first: u64, points: &[Point3<f64>], deviations: &[Deviation]) {
+        self.points += deviations.len() as u64;
+        let mut measured: BTreeMap<u32, Vec<(f64, bool)>> = BTreeMap::new();
+        let mut gap = f64::from_bits(self.largest_gap);
+        for deviation in deviations {
+            *self.outcomes.entry(deviation.outcome).or_default() += 1;
+            if deviation.outcome == Outcome::Measured {
+                let list = measured.entry(deviation.shape).or_default();
+                list.push((deviation.distance, deviation.on_boundary));
+                gap = gap.max(deviation.gap);
+            }
+        }
+        self.largest_gap = gap.to_bits();
+        let (tolerance, limit) = (self.tolerance(), usize::try_from(self.key[2]).unwrap_or(usize::MAX));
+        for (shape, list) in measured {
+            self.shapes.entry(shape).or_insert_with(|| Tally::new(limit)).extend(&list, &tolerance);
+        }
+        self.worst.extend(first, points, deviations);
+    }
+
+    /// Adds the result of another part.
+    ///
+    /// # Errors
+    /// [`Error::DifferentOptions`] if it was made with another tolerance, limit of exact values or number of worst points.
+    pub fn merge(&mut self, other: &Self) -> Result<(), Error> {
+        if self.key != other.key {
+            return Err(Error::DifferentOptions);
+        }
+        self.points += other.points;
+        for (outcome, count) in &other.outcomes {
+            *self.outcomes.entry(*outcome).or_default() += count;
+        }
+        for (shape, tally) in &other.shapes {
+            match self.shapes.get_mut(shape) {
+                Some(mine) => mine.merge(tally)?,
+                None => {
+                    self.shapes.insert(*shape, tally.clone());
+                }
+            }
+        }
+        self.worst.merge(&other.worst);
+        let gap = f64::from_bits(self.largest_gap).max(f64::from_bits(other.largest_gap));
+        self.largest_gap = gap.to_bits();
+        Ok(())
+    }
+
+    /// Statistics and verdict; `shapes` tells the kinds and names of the surfaces ([`Nominal::shapes`](crate::Nominal::shapes)).
+    ///
+    /// # Errors
+    /// [`Error::DifferentOptions`] if the part was made with other options.
+    pub fn finish(&self, options: &InspectionOptions, shapes: &[ShapeInfo]) -> Result<Inspection, Error> {
+        if self.key != key(options) {
+            return Err(Error::DifferentOptions);
+        }
+        let mut total = Tally::new(options.exact_limit);
+        for tally in self.shapes.values() {
+            total.merge(tally)?;
+        }
+        let total = total.deviations(&options.tolerance);
+        let count = |outcome| self.outcomes.get(&outcome).copied().unwrap_or(0);
+        let per_shape = self.shapes.iter().map(|(&index, tally)| ShapeDeviations {
+            index,
+            info: shapes.get(index as usize).cloned().unwrap_or_default(),
+            deviations: tally.deviations(&options.tolerance),
+        });
+        Ok(Inspection {
+            verdict: Verdict::new(
+                total.within,
+                total.count + count(Outcome::NotConverged),
+                options.min_share,
+            ),
+            options: *options,
+            points: self.points,
+            outcomes: Outcome::ALL.iter().map(|outcome| (outcome.name(), count(*outcome))).collect(),
+            total,
+            shapes: per_shape.collect(),
+            worst: self.worst.list(),
+            largest_gap: f64::from_bits(self.largest_gap),
+        })
+    }
+
+    fn tolerance(&self) -> crate::Tolerance {
+        crate::Tolerance { lower: f64::from_bits(self.key[0]), upper: f64::from_bits(self.key[1]) }
+    }
+}
+
+fn key(options: &InspectionOptions) -> [u64; 4] {
+    let tolerance = &options.tolerance;
+    [tolerance.lower.to_bits(), tolerance.upper.to_bits(), options.exact_limit as u64, options.worst as u64]
+}
