@@ -84,4 +84,22 @@ pub enum Error {
         /// All of them.
         unknowns: usize,
     },
+    /// A cloud that cannot be searched.
+    #[error(transparent)]
+    Cloud(#[from] mesh_core::Error),
+    /// Something is wrong with one of several inputs.
+    #[error("{what}: {source}")]
+    Input {
+        /// Which one: `model`, `cloud`, `view 3` (counted from 0).
+        what: String,
+        /// What is wrong with it.
+        source: Box<Self>,
+    },
+}
+
+impl Error {
+    /// The same error, with a word about which input it is about.
+    pub(crate) fn of(self, what: impl Into<String>) -> Self {
+        Self::Input { what: what.into(), source: Box::new(self) }
+    }
 }

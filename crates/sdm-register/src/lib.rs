@@ -23,8 +23,10 @@ mod register;
 mod report;
 mod solve;
 mod source;
+pub mod start;
 mod status;
 mod view;
+pub mod views;
 mod weights;
 
 pub use constraint::Locks;

@@ -11,6 +11,11 @@ pub(crate) fn ranges<T: Send>(count: usize, f: impl Fn(Range<usize>) -> T + Sync
     (0..count.div_ceil(CHUNK)).into_par_iter().map(|k| f(k * CHUNK..((k + 1) * CHUNK).min(count))).collect()
 }
 
+/// `[f(0), f(1), …, f(count − 1)]` of few calls that take long, in parallel.
+pub(crate) fn tasks<T: Send>(count: usize, f: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
+    (0..count).into_par_iter().map(f).collect()
+}
+
 /// `[f(0), f(1), …, f(count − 1)]`, in parallel.
 pub(crate) fn map<T: Send>(count: usize, f: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
     (0..count).into_par_iter().with_min_len(CHUNK).map(f).collect()

@@ -1,0 +1,315 @@
+//! The loop: match, solve, move, until nothing moves.
+
+use footpoint::Progress;
+use nalgebra::Vector3;
+use nurbs_core::Aabb;
+
+use super::ViewsOptions;
+use super::chain;
+use super::graph::components;
+use super::matching::{Matches, Rules, find};
+use super::report::{PairReport, ViewReport, ViewsReport, ViewsStatus, ViewsStep};
+use super::system::System;
+use super::view::{Prepared, View};
+use crate::start::Placement;
+use crate::{Error, Pose};
+
+/// Fewest points of a view, and fewest matches that link two views.
+const FEWEST: usize = 3;
+const FEWEST_MATCHES: usize = 12;
+
+/// Points per view while the poses are coarse, and the motion that ends this stage.
+const COARSE_POINTS: usize = 400;
+const COARSE_MOTION: f64 = 2e-4;
+
+/// Motions below this share of the standard error of the mean distance are not worth another step.
+const NEGLIGIBLE: f64 = 0.1;
+
+/// Distances beyond this multiple of their median absolute value do not count (Tukey's constant times 1.48), and never
+/// less than this share of the diagonal, the noise of rounding.
+const OUTLYING: f64 = 4.685 * 1.4826;
+const LEAST_LIMIT: f64 = 1e-12;
+
+/// Registers views whose poses are known roughly: to a fraction of their size and some ten degrees.
+///
+/// The first view of every component of the graph of overlaps stays where it is. `progress` is told the number of steps and
+/// their limit, and may cancel.
+///
+/// # Errors
+/// [`Error::Input`] for a view with fewer than three usable points; [`Error::Length`] if there is not one pose per view;
+/// [`Error::NotAMotion`] for a pose that is not finite or has a scale; [`Error::Option`].
+pub fn register_views(
+    views: &[View],
+    poses: &[Pose<3>],
+    options: &ViewsOptions,
+    progress: Progress<'_>,
+) -> Result<ViewsReport, Error> {
+    options.validate()?;
+    check(views)?;
+    if poses.len() != views.len() {
+        return Err(Error::Length { what: "poses", found: poses.len(), points: views.len() });
+    }
+    if poses.iter().any(|pose| !pose.is_finite() || pose.scale != 1.0) {
+        return Err(Error::NotAMotion { deviation: f64::NAN });
+    }
+    let mut run = Run::new(views, poses, options)?;
+    let status = run.iterate(progress);
+    Ok(run.report(views, status))
+}
+
+/// Registers views about whose poses nothing is known.
+///
+/// All pairs are registered coarsely ([`crate::start`]); a tree of the pairs that fit best gives the initial poses for
+/// [`register_views`]. The first view keeps its frame.
+///
+/// # Errors
+/// As for [`register_views`].
+pub fn register_views_from(
+    views: &[View],
+    options: &ViewsOptions,
+    progress: Progress<'_>,
+) -> Result<ViewsReport, Error> {
+    options.validate()?;
+    check(views)?;
+    let poses = chain::initial_poses(views, options, progress)?;
+    register_views(views, &poses, options, progress)
+}
+
+fn check(views: &[View]) -> Result<(), Error> {
+    for (index, view) in views.iter().enumerate() {
+        let name = || format!("view {index}");
+        let found = view.points().len();
+        if found < FEWEST {
+            let error = Error::TooFewPoints { total: found + view.dropped(), finite: found, needed: FEWEST };
+            return Err(error.of(name()));
+        }
+        if view.bounding_box().is_none_or(|bounds| bounds.diagonal() <= 0.0) {
+            return Err(Error::Collinear { width: 0.0, length: 0.0 }.of(name()));
+        }
+    }
+    if views.len() < 2 {
+        return Err(
+            Error::TooFewPoints { total: views.len(), finite: views.len(), needed: 2 }.of("list of views")
+        );
+    }
+    Ok(())
+}
+
+/// The state of a registration, in a frame in which a view has the size 1.
+struct Run<'a> {
+    options: &'a ViewsOptions,
+    views: Vec<Prepared>,
+    centres: Vec<Vector3<f64>>,
+    poses: Vec<Placement>,
+    first: Vec<Placement>,
+    centre: Vector3<f64>,
+    scale: f64,
+    /// Directed pairs that overlap.
+    pairs: Vec<[usize; 2]>,
+    components: Vec<Vec<usize>>,
+    limit: f64,
+    history: Vec<ViewsStep>,
+}
+
+impl<'a> Run<'a> {
+    fn new(views: &[View], poses: &[Pose<3>], options: &'a ViewsOptions) -> Result<Self, Error> {
+        let boxes: Vec<Aabb<3>> = views.iter().filter_map(View::bounding_box).collect();
+        let mut diagonals: Vec<f64> = boxes.iter().map(Aabb::diagonal).collect();
+        diagonals.sort_by(f64::total_cmp);
+        let scale = diagonals[diagonals.len() / 2];
+        let centres: Vec<Vector3<f64>> = boxes.iter().map(Aabb::centre).collect();
+        let placed = poses.iter().zip(&centres).map(|(pose, centre)| pose.apply(centre));
+        let centre = placed.sum::<Vector3<f64>>() / views.len() as f64;
+        let mut prepared = Vec::with_capacity(views.len());
+        for (index, (view, own)) in views.iter().zip(&centres).enumerate() {
+            let seed = options.seed.wrapping_add(index as u64);
+            let sample = options.points_per_view;
+            prepared.push(Prepared::new(view, own, scale, options.neighbours, sample, seed)?);
+        }
+        let placement =
+            |(pose, own): (&Pose<3>, &Vector3<f64>)| Placement::from_pose(pose, own, &centre, scale);
+        let placements: Vec<Placement> = poses.iter().zip(&centres).map(placement).collect();
+        Ok(Self {
+            options,
+            views: prepared,
+            poses: placements.clone(),
+            first: placements,
+            centres,
+            centre,
+            scale,
+            pairs: Vec::new(),
+            components: Vec::new(),
+            limit: options.max_distance,
+            history: Vec::new(),
+        })
+    }
+
+    fn iterate(&mut self, progress: Progress<'_>) -> ViewsStatus {
+        self.link(COARSE_POINTS);
+        if self.pairs.is_empty() {
+            return ViewsStatus::NoOverlap;
+        }
+        let all = self.options.points_per_view;
+        let mut count = COARSE_POINTS.min(all);
+        let mut fine = count == all;
+        for step in 0..self.options.max_iterations {
+            if progress(step, self.options.max_iterations).is_break() {
+                return ViewsStatus::Cancelled;
+            }
+            let Some((motion, system)) = self.step(count) else { return ViewsStatus::NoOverlap };
+            if fine && motion <= self.options.tolerance.max(NEGLIGIBLE * system.standard_error()) {
+                return self.verdict(&system);
+            }
+            if !fine && motion <= COARSE_MOTION {
+                (fine, count) = (true, all);
+                self.link(count);
+            }
+        }
+        ViewsStatus::MaxIterations
+    }
+
+    fn verdict(&self, system: &System) -> ViewsStatus {
+        if self.components.len() > 1 {
+            ViewsStatus::Disconnected
+        } else if system.free_motions() > 0 {
+            ViewsStatus::Underdetermined
+        } else {
+            ViewsStatus::Converged
+        }
+    }
+
+    fn rules(&self, limit: f64) -> Rules {
+        Rules { limit, cosine: self.options.max_angle.cos(), oriented: self.options.oriented }
+    }
+
+    /// Finds the pairs that overlap at the present poses.
+    fn link(&mut self, count: usize) {
+        let total = self.views.len();
+        let near = |i: usize, j: usize| {
+            let apart = (self.poses[i].shift - self.poses[j].shift).norm();
+            apart <= self.views[i].radius + self.views[j].radius + self.limit
+        };
+        let mut tried = Vec::new();
+        for i in 0..total {
+            tried.extend((0..i).filter(|&j| near(i, j)).flat_map(|j| [[j, i], [i, j]]));
+        }
+        tried.sort_unstable();
+        let rules = self.rules(self.limit);
+        let found = find(&mut self.views, &self.poses, &tried, count, &rules);
+        let share = |i: usize, j: usize| {
+            let place = found.binary_search_by(|matches| matches.views.cmp(&[i, j]));
+            place.map_or(0.0, |at| share_of(&found[at]))
+        };
+        let least = self.options.min_overlap;
+        self.pairs = tried.iter().copied().filter(|&[i, j]| share(i, j).max(share(j, i)) >= least).collect();
+        let enough = |pair: &[usize; 2]| {
+            let [i, j] = *pair;
+            let both = found.iter().filter(|matches| matches.views == [i, j] || matches.views == [j, i]);
+            both.map(|matches| matches.list.len()).sum::<usize>() >= FEWEST_MATCHES
+        };
+        self.pairs.retain(enough);
+        self.components = components(total, self.pairs.iter().copied());
+    }
+
+    fn held(&self) -> Vec<bool> {
+        let mut held = vec![false; self.views.len()];
+        for component in &self.components {
+            held[component[0]] = true;
+        }
+        held
+    }
+
+    /// One step; returns the largest motion of a view and the system, `None` if there is nothing to match any more.
+    fn step(&mut self, count: usize) -> Option<(f64, System)> {
+        let rules = self.rules(self.limit.max(LEAST_LIMIT));
+        let matches = find(&mut self.views, &self.poses, &self.pairs, count, &rules);
+        let limit = robust_limit(&matches)?.min(rules.limit);
+        let system = System::new(&matches, &self.held(), limit);
+        let twists = system.solve()?;
+        let mut motion: f64 = 0.0;
+        for (view, (pose, twist)) in self.poses.iter_mut().zip(&twists).enumerate() {
+            let (rotation, translation) =
+                (twist.fixed_rows::<3>(0).into_owned(), twist.fixed_rows::<3>(3).into_owned());
+            let before = pose.shift;
+            *pose = pose.moved(rotation, translation);
+            motion = motion.max((pose.shift - before).norm() + rotation.norm() * self.views[view].radius);
+        }
+        self.history.push(ViewsStep {
+            count: matches.iter().map(|pair| pair.list.len()).sum(),
+            rms: (system.cost / system.weight.max(f64::MIN_POSITIVE)).sqrt() * self.scale,
+            limit: limit * self.scale,
+            motion: motion * self.scale,
+        });
+        // Later matches may be no farther than now: with a margin, since other points are matched after a motion.
+        self.limit = self.limit.min((2.0 * limit).max(LEAST_LIMIT)).max(2.0 * motion);
+        Some((motion, system))
+    }
+
+    fn report(mut self, views: &[View], status: ViewsStatus) -> ViewsReport {
+        let count = self.options.points_per_view;
+        let pairs = std::mem::take(&mut self.pairs);
+        let (early, late) = (self.rules(self.options.max_distance), self.rules(self.limit.max(LEAST_LIMIT)));
+        let before = find(&mut self.views, &self.first, &pairs, count, &early);
+        let after = find(&mut self.views, &self.poses, &pairs, count, &late);
+        let system =
+            System::new(&after, &self.held(), robust_limit(&after).unwrap_or(self.limit).max(LEAST_LIMIT));
+        let matched: usize = after.iter().map(|matches| matches.list.len()).sum();
+        let known = status != ViewsStatus::NoOverlap && system.free_motions() == 0;
+        let covariances = if known { system.covariances(matched) } else { None };
+        let reports = (0..views.len()).map(|index| ViewReport {
+            pose: self.poses[index].to_pose(&self.centres[index], &self.centre, self.scale),
+            // Twists in the scaled frame: translations are in units of the scale.
+            covariance: covariances.as_ref().map(|all| {
+                let unit = |i: usize| if i < 3 { 1.0 } else { self.scale };
+                let block = all[index];
+                nalgebra::Matrix6::from_fn(|i, j| block[(i, j)] * unit(i) * unit(j))
+            }),
+            component: self.components.iter().position(|members| members.contains(&index)).unwrap_or(0),
+            dropped: views[index].dropped(),
+        });
+        let views = reports.collect();
+        let of = |all: &[Matches], i: usize, j: usize| all.iter().find(|m| m.views == [i, j]).cloned();
+        let pair_reports = pairs.iter().filter(|[i, j]| i < j).filter_map(|&[i, j]| {
+            let (there, back) = (of(&after, i, j)?, of(&after, j, i)?);
+            let (earlier_there, earlier_back) = (of(&before, i, j)?, of(&before, j, i)?);
+            Some(PairReport {
+                views: [i, j],
+                overlap: [share_of(&there), share_of(&back)],
+                count: there.list.len() + back.list.len(),
+                rms_before: rms(&[&earlier_there, &earlier_back]) * self.scale,
+                rms_after: rms(&[&there, &back]) * self.scale,
+            })
+        });
+        ViewsReport {
+            status,
+            pairs: pair_reports.collect(),
+            views,
+            components: self.components,
+            centre: self.centre,
+            rms: rms(&after.iter().collect::<Vec<_>>()) * self.scale,
+            history: self.history,
+        }
+    }
+}
+
+fn share_of(matches: &Matches) -> f64 {
+    matches.list.len() as f64 / matches.tried.max(1) as f64
+}
+
+fn rms(matches: &[&Matches]) -> f64 {
+    let count: usize = matches.iter().map(|pair| pair.list.len()).sum();
+    let sum: f64 = matches.iter().flat_map(|pair| &pair.list).map(|found| found.distance.powi(2)).sum();
+    (sum / count.max(1) as f64).sqrt()
+}
+
+/// The distance beyond which matches do not count; `None` without matches.
+fn robust_limit(matches: &[Matches]) -> Option<f64> {
+    let mut distances: Vec<f64> =
+        matches.iter().flat_map(|pair| &pair.list).map(|m| m.distance.abs()).collect();
+    if distances.is_empty() {
+        return None;
+    }
+    let middle = distances.len() / 2;
+    let (_, median, _) = distances.select_nth_unstable_by(middle, f64::total_cmp);
+    Some((OUTLYING * *median).max(LEAST_LIMIT))
+}

@@ -1,0 +1,141 @@
+//! The system of equations for the motions of all views.
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix6, Vector6};
+
+use super::matching::Matches;
+use crate::parallel;
+
+/// Eigenvalues of the system below this share of the largest belong to motions that nothing resists.
+const FREE_SHARE: f64 = 1e-7;
+
+/// Normal equations of one directed pair: `JᵀWJ`, `JᵀWd`, `Σ w d²`, `Σ w`.
+struct Block {
+    matrix: Matrix6<f64>,
+    gradient: Vector6<f64>,
+    cost: f64,
+    weight: f64,
+}
+
+/// Normal equations of all views that move.
+#[derive(Debug)]
+pub(crate) struct System {
+    /// Row of the first unknown of each view; `None` for a view that is held.
+    rows: Vec<Option<usize>>,
+    matrix: DMatrix<f64>,
+    gradient: DVector<f64>,
+    /// `Σ w d²`.
+    pub(crate) cost: f64,
+    /// `Σ w`.
+    pub(crate) weight: f64,
+}
+
+impl System {
+    /// Sums up the matches, each with Tukey's weight for the distance `limit`; views with `held` do not move.
+    pub(crate) fn new(matches: &[Matches], held: &[bool], limit: f64) -> Self {
+        let mut size = 0;
+        let rows: Vec<Option<usize>> = held
+            .iter()
+            .map(|held| {
+                (!held).then(|| {
+                    size += 6;
+                    size - 6
+                })
+            })
+            .collect();
+        let blocks = parallel::tasks(matches.len(), |k| block(&matches[k], limit));
+        let mut out = Self {
+            rows,
+            matrix: DMatrix::zeros(size, size),
+            gradient: DVector::zeros(size),
+            cost: 0.0,
+            weight: 0.0,
+        };
+        for (pair, block) in matches.iter().zip(blocks) {
+            let [moving, still] = pair.views.map(|view| out.rows[view]);
+            out.cost += block.cost;
+            out.weight += block.weight;
+            for (row, sign) in [(moving, 1.0), (still, -1.0)] {
+                let Some(row) = row else { continue };
+                let mut diagonal = out.matrix.fixed_view_mut::<6, 6>(row, row);
+                diagonal += block.matrix;
+                let mut part = out.gradient.fixed_rows_mut::<6>(row);
+                part += block.gradient * sign;
+            }
+            if let (Some(a), Some(b)) = (moving, still) {
+                for (i, j) in [(a, b), (b, a)] {
+                    let mut mixed = out.matrix.fixed_view_mut::<6, 6>(i, j);
+                    mixed -= block.matrix;
+                }
+            }
+        }
+        out
+    }
+
+    /// The twist `(c, c̄)` of each view, 0 for those that are held; `None` if the system has no solution.
+    ///
+    /// Motions that nothing resists are damped to nothing.
+    pub(crate) fn solve(&self) -> Option<Vec<Vector6<f64>>> {
+        let solution = self.factor(1e-12)?.solve(&-&self.gradient);
+        if !solution.iter().all(|value| value.is_finite()) {
+            return None;
+        }
+        let twist = |row: &Option<usize>| {
+            row.map_or_else(Vector6::zeros, |row| solution.fixed_rows::<6>(row).into_owned())
+        };
+        Some(self.rows.iter().map(twist).collect())
+    }
+
+    /// Number of independent motions of the views that no distance resists.
+    pub(crate) fn free_motions(&self) -> usize {
+        if self.matrix.is_empty() {
+            return 0;
+        }
+        let values = self.matrix.symmetric_eigenvalues();
+        let largest = values.max();
+        values.iter().filter(|&&value| value <= FREE_SHARE * largest).count()
+    }
+
+    /// Root mean square distance over the root of the number of points, as far as they have weight.
+    pub(crate) fn standard_error(&self) -> f64 {
+        self.cost.sqrt() / self.weight.max(f64::MIN_POSITIVE)
+    }
+
+    /// `σ̂² (JᵀJ)⁻¹`, the block of each view; 0 for those that are held.
+    pub(crate) fn covariances(&self, count: usize) -> Option<Vec<Matrix6<f64>>> {
+        let freedom = count.checked_sub(self.matrix.nrows()).filter(|&freedom| freedom > 0)?;
+        let variance = self.cost / self.weight.max(f64::MIN_POSITIVE) * count as f64 / freedom as f64;
+        let inverse = self.factor(0.0)?.inverse() * variance;
+        let block = |row: &Option<usize>| {
+            row.map_or_else(Matrix6::zeros, |row| inverse.fixed_view::<6, 6>(row, row).into_owned())
+        };
+        Some(self.rows.iter().map(block).collect())
+    }
+
+    fn factor(&self, damping: f64) -> Option<Cholesky<f64, Dyn>> {
+        let mut matrix = self.matrix.clone();
+        let damping = damping * matrix.diagonal().amax();
+        for i in 0..matrix.nrows() {
+            matrix[(i, i)] += damping;
+        }
+        matrix.cholesky()
+    }
+}
+
+fn block(pair: &Matches, limit: f64) -> Block {
+    let mut out = Block { matrix: Matrix6::zeros(), gradient: Vector6::zeros(), cost: 0.0, weight: 0.0 };
+    for found in &pair.list {
+        let inside = 1.0 - (found.distance / limit).powi(2);
+        if inside > 0.0 {
+            let arm = found.point.cross(&found.normal);
+            let n = found.normal;
+            let row = Vector6::new(arm.x, arm.y, arm.z, n.x, n.y, n.z);
+            let weight = inside * inside;
+            let weighted = row * weight;
+            out.matrix.ger(1.0, &weighted, &row, 1.0);
+            out.gradient.axpy(found.distance, &weighted, 1.0);
+            out.cost += weight * found.distance * found.distance;
+            out.weight += weight;
+        }
+    }
+    out
+}
