@@ -126,7 +126,9 @@ impl<const D: usize> CurveField<D> {
         let after = self.curves[shape].jet(to);
         let noise = ORTHOGONAL.1 * self.size;
         let (old, new) = ((x - before.point).norm_squared(), (x - after.point).norm_squared());
-        if !(new <= old + noise * noise) {
+        // Not so either when a number is NaN.
+        let nearer = new <= old + noise * noise;
+        if !nearer {
             return None;
         }
         let mut frame = self.frame_at(shape, to, &after, x, Status::MaxIterations);

@@ -91,7 +91,21 @@ pub struct D2TreeReport {
 /// A cell stands for the shape by the quadric that osculates it at the foot of the centre; the frame of a query is the one
 /// on this quadric. Cells are divided until the distance it gives agrees with the exact one within a tolerance: at the
 /// corners, and at the centres of the parts, scaled up by the third order of the error. On the cut locus no model holds on
-/// both sides; there the division ends by depth. Queries outside the tree are answered by the field it was made of.
+/// both sides; there the division ends by depth. An edge that passes between these points goes unseen: a query near the
+/// end of an open shape may be off by more than the tolerance.
+///
+/// Measured on an open bicubic surface (20 x 12 control points, 100 000 queries within 2 % of the diagonal, one thread of a
+/// shared machine, the example program `d2_tree`): an exact frame takes 3.2 µs by a global search, 0.8 µs from the last foot
+/// and 0.5 µs by one step; one from the tree 0.2 µs, with the tolerance
+///
+/// | tolerance | leaves | memory | build | largest error | 99 % of the errors below |
+/// |---|---|---|---|---|---|
+/// | 1e-2 | 4 649 | 0.8 MB | 0.6 s | 1.7e-2 | 3.1e-3 |
+/// | 3e-3 | 39 796 | 6.9 MB | 8.6 s | 2.5e-3 | 7.0e-4 |
+/// | 1e-3 | 269 998 | 47 MB | 76 s | 2.3e-3 | 2.8e-4 |
+///
+/// (all as shares of the diagonal). A tree pays where the same shape is asked millions of times at a modest accuracy.
+/// Queries outside the tree are answered by the field it was made of.
 ///
 /// ```
 /// use distance_field::{CurveField, D2Tree, D2TreeOptions, DistanceField};
@@ -226,7 +240,7 @@ impl<const D: usize, F: DistanceField<D>> D2Tree<D, F> {
             self.report.error = self.report.error.max(error);
         } else {
             self.report.open_leaves += 1;
-            self.report.open_share += 0.5f64.powi((D as u32 * depth).try_into().unwrap_or(i32::MAX));
+            self.report.open_share += (D as f64 * -f64::from(depth)).exp2();
         }
     }
 

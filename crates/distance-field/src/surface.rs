@@ -157,7 +157,9 @@ impl SurfaceField {
     ) -> Option<Status> {
         let (old, residual) = (x - before.point, x - after.point);
         let noise = ORTHOGONAL.1 * self.size;
-        if !(residual.norm_squared() <= old.norm_squared() + noise * noise) {
+        // Not so either when a number is NaN.
+        let nearer = residual.norm_squared() <= old.norm_squared() + noise * noise;
+        if !nearer {
             return None;
         }
         let normal = frame.axes.column(2) * frame.distance;

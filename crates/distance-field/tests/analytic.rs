@@ -1,4 +1,5 @@
 //! Analytic shapes against closed forms and against their NURBS.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests may panic")]
 
 mod common;
 

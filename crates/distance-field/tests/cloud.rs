@@ -1,4 +1,5 @@
 //! Frames of clouds.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests may panic")]
 
 mod common;
 

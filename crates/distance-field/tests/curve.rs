@@ -1,4 +1,5 @@
 //! Frames and models of NURBS curves in the plane and in space.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests may panic")]
 
 mod common;
 

@@ -1,4 +1,5 @@
 //! The d²-tree against the field it is made of.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests may panic")]
 
 mod common;
 

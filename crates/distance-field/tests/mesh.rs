@@ -1,4 +1,5 @@
 //! Frames of meshes: features, sides, boundaries, curvatures.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests may panic")]
 
 mod common;
 

@@ -1,4 +1,5 @@
 //! Frames and models of NURBS surfaces.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests may panic")]
 
 mod common;
 

@@ -1,6 +1,6 @@
 //! What can be typed.
 
-use crate::commands::{convert, demo, info, inspect, project};
+use crate::commands::{convert, demo, info, inspect, project, register};
 use clap::{Args, Parser, Subcommand};
 use std::path::{Path, PathBuf};
 
@@ -22,12 +22,14 @@ Examples:
   indgeo demo
   indgeo project model.json scan.ply -o deviations.csv
   indgeo inspect model.json scan.ply --tolerance 0.05 --report report.html
+  indgeo register part.stl scan.ply -o moved.ply --transform pose.json
   indgeo info scan.ply";
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     Project(project::Args),
     Inspect(inspect::Args),
+    Register(register::Args),
     Convert(convert::Args),
     Info(info::Args),
     Demo(demo::Args),
@@ -39,6 +41,7 @@ impl Command {
         match self {
             Self::Project(args) => (vec![&args.model, &args.points], vec![args.out.clone()]),
             Self::Inspect(args) => args.files(),
+            Self::Register(args) => args.files(),
             Self::Convert(args) => (vec![&args.input], vec![args.output.clone()]),
             Self::Info(args) => (args.files.iter().map(PathBuf::as_path).collect(), Vec::new()),
             Self::Demo(args) => (Vec::new(), args.results().to_vec()),
@@ -50,6 +53,7 @@ impl Command {
         match self {
             Self::Project(_) => "project",
             Self::Inspect(_) => "inspect",
+            Self::Register(_) => "register",
             Self::Convert(_) => "convert",
             Self::Info(_) => "info",
             Self::Demo(_) => "demo",

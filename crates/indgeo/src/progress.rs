@@ -37,6 +37,12 @@ impl Progress {
         }
         ControlFlow::Continue(())
     }
+
+    /// Shows that work goes on whose length is not known.
+    pub(crate) fn tick(&self) -> ControlFlow<()> {
+        self.bar.tick();
+        ControlFlow::Continue(())
+    }
 }
 
 impl Drop for Progress {

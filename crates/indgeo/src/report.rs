@@ -1,5 +1,6 @@
 //! The machine-readable report of a command (`--json`).
 
+use crate::registration_report::RegistrationResults;
 use industrial_geometry::inspection::{Inspection, Statistics};
 use industrial_geometry::io::ReadReport;
 use serde::Serialize;
@@ -158,6 +159,8 @@ pub(crate) enum Results {
     Projection(Box<ProjectionResults>),
     /// Of an inspection.
     Inspection(Box<Inspection>),
+    /// Of a registration.
+    Registration(Box<RegistrationResults>),
     /// Of `info`.
     Files(Vec<serde_json::Value>),
 }

@@ -1,5 +1,6 @@
 //! What a projection or an inspection says to a person.
 
+use crate::registration_report::RegistrationResults;
 use crate::report::{ProjectionResults, Report, Results};
 use industrial_geometry::inspection::{Inspection, Tolerance};
 use std::fmt::Write;
@@ -11,6 +12,7 @@ pub(crate) fn of(report: &Report) -> String {
     let _ = match &report.results {
         Some(Results::Projection(results)) => write_projection(&mut text, report, results),
         Some(Results::Inspection(found)) => write_inspection(&mut text, report, found),
+        Some(Results::Registration(found)) => write_registration(&mut text, report, found),
         _ => Ok(()),
     };
     text
@@ -77,6 +79,38 @@ fn write_inspection(text: &mut String, report: &Report, found: &Inspection) -> s
     if let Some(worst) = found.worst.first() {
         writeln!(text, "  worst     {} at point {} (from 0)", plain(worst.distance), worst.index)?;
     }
+    write_end(text, report)
+}
+
+fn write_registration(text: &mut String, report: &Report, found: &RegistrationResults) -> std::fmt::Result {
+    let motion = &found.transform;
+    writeln!(
+        text,
+        "{} after {} steps: {} of {} points count",
+        motion.status, motion.iterations, motion.points_used, motion.points
+    )?;
+    writeln!(text, "  distance  rms {}  (at the start {})", plain(motion.rms), plain(motion.initial_rms))?;
+    let [x, y, z] = motion.translation.map(plain);
+    writeln!(
+        text,
+        "  motion    turned by {:.4} degrees, moved by ({x}, {y}, {z})",
+        motion.rotation.angle.to_degrees()
+    )?;
+    if motion.scale != 1.0 {
+        writeln!(text, "  scale     {}", motion.scale)?;
+    }
+    for free in &motion.free_motions {
+        writeln!(text, "  not fixed {free}")?;
+    }
+    let chosen = &found.starts[found.best_start];
+    writeln!(
+        text,
+        "  start     {} of {} ({}), {:.1} % of the points near the model",
+        found.best_start + 1,
+        found.starts.len(),
+        chosen.origin,
+        100.0 * chosen.share_near
+    )?;
     write_end(text, report)
 }
 

@@ -44,7 +44,6 @@ pub(crate) struct Outcome<const D: usize> {
     pub(crate) base: Vec<f64>,
     pub(crate) weighting: Weighting,
     pub(crate) status: Status,
-    pub(crate) iterations: usize,
     pub(crate) evaluations: usize,
 }
 
@@ -145,26 +144,14 @@ impl<const D: usize> Problem<'_, D> {
                 && !self.options.scale)
                 .then(|| Anderson::new(start, stage.cloud.diagonal)),
         };
-        let mut iterations = 0;
-        let status = loop {
-            if iterations == stage.max_iterations {
-                break Status::MaxIterations;
-            }
-            match run.step(history) {
-                ControlFlow::Continue(()) => iterations += 1,
-                ControlFlow::Break((status, stepped)) => {
-                    iterations += usize::from(stepped);
-                    break status;
-                }
-            }
-        };
+        let ended = (0..stage.max_iterations).find_map(|_| run.step(history).break_value());
+        let status = ended.unwrap_or(Status::MaxIterations);
         run.refresh_weights();
         Outcome {
             view: run.view,
             base: run.base,
             weighting: run.weighting,
             status,
-            iterations,
             evaluations: run.evaluations,
         }
     }
@@ -203,14 +190,14 @@ impl<const D: usize> Run<'_, D> {
     }
 
     /// One step; breaks with the status and whether a step was made.
-    fn step(&mut self, history: &mut History) -> ControlFlow<(Status, bool)> {
+    fn step(&mut self, history: &mut History) -> ControlFlow<Status> {
         self.refresh_weights();
         let models = self.problem.models(self.stage, &self.view, &self.base, &self.weighting);
         if models.system.count < fewest(D) {
-            return ControlFlow::Break((Status::NoOverlap, false));
+            return ControlFlow::Break(Status::NoOverlap);
         }
         if !models.system.cost.is_finite() {
-            return ControlFlow::Break((Status::Diverged, false));
+            return ControlFlow::Break(Status::Diverged);
         }
         let evaluations = self.evaluations;
         let newton = self.newton_is_next(&models);
@@ -233,7 +220,7 @@ impl<const D: usize> Run<'_, D> {
             let spectrum = models.newton.as_ref().map_or(&models.linear, |n| &n.1);
             let step = models.scaled.step(spectrum, 0.0);
             let small = self.motion(&models, &step) <= ROUNDING;
-            return ControlFlow::Break((if small { Status::Converged } else { Status::Stalled }, false));
+            return ControlFlow::Break(if small { Status::Converged } else { Status::Stalled });
         };
         self.judge_newton(&models, &trial);
         let velocity = models.freedom.velocity(&trial.step);
@@ -255,16 +242,16 @@ impl<const D: usize> Run<'_, D> {
         };
         history.push(record);
         if !self.view.pose.is_finite() || !trial.cost.is_finite() {
-            return ControlFlow::Break((Status::Diverged, true));
+            return ControlFlow::Break(Status::Diverged);
         }
         if (self.problem.progress)(&record).is_break() {
-            return ControlFlow::Break((Status::Cancelled, true));
+            return ControlFlow::Break(Status::Cancelled);
         }
         // What is left, if the motions go on shrinking at this rate. A damped step says nothing about that.
         let left = if ratio < 1.0 { trial.motion * ratio / (1.0 - ratio) } else { trial.motion };
         let full = self.damping == 0.0 && trial.factor == 1.0;
         if full && (left <= self.tolerance() || trial.motion <= self.tolerance()) {
-            return ControlFlow::Break((Status::Converged, true));
+            return ControlFlow::Break(Status::Converged);
         }
         ControlFlow::Continue(())
     }

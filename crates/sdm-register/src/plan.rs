@@ -203,7 +203,8 @@ impl<'a, const D: usize> Plan<'a, D> {
         };
         let mut view = view;
         let mut distance = limit(&view);
-        for repetition in 0.. {
+        let mut repetition = 0;
+        loop {
             let rule = Rule::Fixed(Weighting::Cut { limit: distance });
             let stage = Stage { rejection, ..self.stage("inliers", self.cloud, rule) };
             let outcome = self.problem.run(&stage, view, &mut self.history);
@@ -214,8 +215,8 @@ impl<'a, const D: usize> Plan<'a, D> {
                 return outcome;
             }
             (view, distance) = (outcome.view, next);
+            repetition += 1;
         }
-        unreachable!("the loop returns")
     }
 }
 

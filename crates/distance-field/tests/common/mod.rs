@@ -1,5 +1,6 @@
 //! Shapes and laws that several tests share.
 #![allow(dead_code, reason = "each test uses a part")]
+#![allow(clippy::unwrap_used, reason = "the shapes are known to be valid")]
 
 use distance_field::{DistanceField, ErrorTerm, Hint, PrincipalFrame, Search};
 use mesh_core::{TriangleMesh, VertexWelder};

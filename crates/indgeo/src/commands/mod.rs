@@ -5,6 +5,7 @@ pub(crate) mod demo;
 pub(crate) mod info;
 pub(crate) mod inspect;
 pub(crate) mod project;
+pub(crate) mod register;
 
 use crate::args::{Command, Common};
 use crate::error::Error;
@@ -33,6 +34,7 @@ pub(crate) fn run(command: &Command, common: &Common, report: &mut Report) -> Re
     match command {
         Command::Project(args) => project::run(args, common, report),
         Command::Inspect(args) => inspect::run(args, common, report),
+        Command::Register(args) => register::run(args, common, report),
         Command::Convert(args) => convert::run(args, report),
         Command::Info(args) => info::run(args, report),
         Command::Demo(args) => demo::run(args, common, report),

@@ -1,0 +1,208 @@
+//! `indgeo register`: where a scan fits its model best.
+
+use super::Outcome;
+use crate::args::Common;
+use crate::error::Error;
+use crate::registering::{self, Job, Start};
+use crate::report::Report;
+use crate::summary;
+use clap::ValueEnum;
+use industrial_geometry::distance_field::ErrorTerm;
+use industrial_geometry::register::{Locks, Method, Outliers, RegisterOptions};
+use std::path::{Path, PathBuf};
+
+/// Move POINTS to where they fit MODEL best
+///
+/// Least squares of the distances to the exact shape, with quadratic convergence; points that do not belong to the model
+/// are recognised and left out. The result is the moved points, and the motion with its covariance.
+#[derive(Debug, clap::Args)]
+#[command(after_long_help = AFTER_HELP)]
+pub(crate) struct Args {
+    /// The fixed shape: NURBS (JSON), a triangle mesh (STL, PLY, OBJ, OFF), or a dense cloud; `-` is standard input
+    model: PathBuf,
+    /// The points to be moved: any cloud, or a mesh with its triangles; `-` is standard input
+    points: PathBuf,
+    /// The moved points, with everything else that came with them; the format follows from the extension
+    #[arg(long, short, value_name = "MOVED")]
+    out: Option<PathBuf>,
+    /// Write the motion (JSON): matrix, quaternion, axis and angle, covariance, history
+    #[arg(long, value_name = "T.json")]
+    transform: Option<PathBuf>,
+    /// Start from the pose in FILE, or from each of a list of poses (JSON, 4 x 4 row by row); the best result counts
+    #[arg(long, value_name = "FILE", conflicts_with = "start")]
+    init: Option<PathBuf>,
+    /// Where to start when there is no --init
+    #[arg(long, value_enum, default_value_t = StartChoice::Auto)]
+    start: StartChoice,
+    /// What is minimised in a step
+    #[arg(long, value_enum, default_value_t = MethodChoice::Adaptive)]
+    method: MethodChoice,
+    /// What is assumed about points that do not belong to the model
+    #[arg(long, value_enum, default_value_t = OutlierChoice::Automatic)]
+    outliers: OutlierChoice,
+    /// Share of the points that belong to the model, 0 to 1, for --outliers trimmed
+    #[arg(long, value_name = "SHARE", required_if_eq("outliers", "trimmed"))]
+    overlap: Option<f64>,
+    /// Degrees of freedom that are held fast: any of tx, ty, tz, rx, ry, rz, separated by commas
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_enum)]
+    lock: Vec<Freedom>,
+    /// Point about which locked rotations are meant [default: the origin]
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = parse_point)]
+    lock_origin: Option<[f64; 3]>,
+    /// Estimate the scale of the points, too
+    #[arg(long)]
+    scale: bool,
+    /// Most steps of one stage
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u16).range(1..))]
+    max_iterations: u16,
+}
+
+/// Where to start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum StartChoice {
+    /// From where the points are; if that leaves points off the model, a search over all positions as well
+    Auto,
+    /// From where the points are
+    Given,
+    /// Search over all positions
+    Global,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum MethodChoice {
+    /// Tangent planes while far, Newton's method near the end
+    Adaptive,
+    /// Squared distance to the closest point (ICP)
+    Point,
+    /// Squared distance to the tangent plane (Chen and Medioni)
+    Tangent,
+    /// Squared distance minimisation with nonnegative models
+    SquaredDistance,
+    /// Newton's method throughout
+    Newton,
+    /// Symmetric objective; needs normals of the points
+    Symmetric,
+    /// ICP with Anderson acceleration
+    Anderson,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum OutlierChoice {
+    /// Recognised by their distances, if there are any
+    Automatic,
+    /// There are none: least squares over all points
+    None,
+    /// The share of --overlap that is nearest counts
+    Trimmed,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Freedom {
+    Tx,
+    Ty,
+    Tz,
+    Rx,
+    Ry,
+    Rz,
+}
+
+const AFTER_HELP: &str = "\
+T.json: {\"matrix\": 4 x 4 row by row (MODEL = matrix * POINTS), \"rotation\": {\"quaternion\": [w,x,y,z], \"axis\": [x,y,z],
+\"angle\": radians}, \"translation\": [x,y,z], \"scale\": s, \"status\": ..., \"rms\": ..., \"covariance\": {...} or null, ...}.
+The covariance is that of (displacement of `origin`, rotation vector about it). `free_motions` names the motions that the
+shape does not fix, as that of a cylinder along and about its axis; the points are not moved along these.
+
+With several starts each is reported (`starts`); the one that leaves the least distance counts.
+Exit status 0: converged; 1: not converged, or no overlap (files are written nevertheless); 2: bad input or usage.
+
+Examples:
+  indgeo register part.stl scan.ply -o moved.ply --transform pose.json
+  indgeo register part.json scan.ply -o moved.ply --init start.json --lock tz,rx,ry
+  indgeo register part.json scan.ply --transform pose.json --outliers trimmed --overlap 0.6
+  indgeo inspect part.json scan.ply --transform pose.json --tolerance 0.05 --report report.html";
+
+fn parse_point(text: &str) -> Result<[f64; 3], String> {
+    let parts: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
+    let point: Option<[f64; 3]> = parts.ok().and_then(|parts| parts.try_into().ok());
+    let point = point.filter(|point| point.iter().all(|value| value.is_finite()));
+    point.ok_or_else(|| "a point is three numbers: X,Y,Z".to_owned())
+}
+
+impl Args {
+    /// The files that are read, and those that are written.
+    pub(crate) fn files(&self) -> (Vec<&Path>, Vec<PathBuf>) {
+        let read = [Some(&self.model), Some(&self.points), self.init.as_ref()];
+        let written = [&self.out, &self.transform];
+        (
+            read.into_iter().flatten().map(PathBuf::as_path).collect(),
+            written.into_iter().flatten().cloned().collect(),
+        )
+    }
+
+    fn options(&self) -> Result<RegisterOptions<3>, Error> {
+        let outliers = match (self.outliers, self.overlap) {
+            (OutlierChoice::Trimmed, Some(overlap)) if overlap > 0.0 && overlap <= 1.0 => {
+                Outliers::Trimmed { overlap }
+            }
+            (OutlierChoice::Trimmed, overlap) => {
+                let given = overlap.unwrap_or(f64::NAN);
+                return Err(Error::usage(format!("--overlap is {given}"), "give a share above 0, at most 1"));
+            }
+            (_, Some(_)) => return Err(Error::usage("--overlap has no effect", "add --outliers trimmed")),
+            (OutlierChoice::Automatic, None) => Outliers::Automatic,
+            (OutlierChoice::None, None) => Outliers::None,
+        };
+        let method = match self.method {
+            MethodChoice::Adaptive => Method::Adaptive,
+            MethodChoice::Point => Method::ICP,
+            MethodChoice::Tangent => Method::TANGENT,
+            MethodChoice::SquaredDistance => Method::Term(ErrorTerm::SquaredDistance),
+            MethodChoice::Newton => Method::Newton,
+            MethodChoice::Symmetric => Method::Symmetric,
+            MethodChoice::Anderson => Method::AndersonPoint,
+        };
+        let locked = |freedoms: [Freedom; 3]| freedoms.map(|freedom| self.lock.contains(&freedom));
+        let axes = Locks::<3>::default().axes;
+        let locks = Locks::default()
+            .with_frame(self.lock_origin.unwrap_or_default().into(), axes)
+            .with_translations(locked([Freedom::Tx, Freedom::Ty, Freedom::Tz]))
+            .with_rotations(locked([Freedom::Rx, Freedom::Ry, Freedom::Rz]));
+        Ok(RegisterOptions::default()
+            .with_method(method)
+            .with_outliers(outliers)
+            .with_locks(locks)
+            .with_scale(self.scale)
+            .with_max_iterations(usize::from(self.max_iterations)))
+    }
+}
+
+/// Runs the command.
+pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<Outcome, Error> {
+    if args.out.is_none() && args.transform.is_none() && common.json.is_none() {
+        return Err(Error::usage(
+            "nothing would be written",
+            "add -o MOVED, --transform T.json or --json FILE",
+        ));
+    }
+    let options = args.options()?;
+    let start = match (&args.init, args.start) {
+        (Some(file), _) => Start::Poses(file),
+        (None, StartChoice::Given) => Start::Given,
+        // A search over all positions would not respect what is locked.
+        (None, StartChoice::Auto) if options.locks.any() => Start::Given,
+        (None, StartChoice::Auto) => Start::Auto,
+        (None, StartChoice::Global) => Start::Global,
+    };
+    let job = Job {
+        model: &args.model,
+        points: &args.points,
+        out: args.out.as_deref(),
+        transform: args.transform.as_deref(),
+        start,
+        options,
+        needs_normals: args.method == MethodChoice::Symmetric,
+        quiet: common.quiet,
+    };
+    let converged = registering::run(&job, report)?;
+    Ok(Outcome::new(summary::of(report), converged))
+}

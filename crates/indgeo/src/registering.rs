@@ -1,0 +1,297 @@
+//! The registration of a cloud: read, start, register, choose, write.
+
+use crate::error::Error;
+use crate::files;
+use crate::poses;
+use crate::progress::Progress;
+use crate::registration_model::RegistrationModel;
+use crate::registration_report::{self as found, RegistrationResults, StartResult};
+use crate::report::{Input, ModelSummary, Output, Report, Results, Timings};
+use industrial_geometry::distance_field::{DistanceField, Hint, Search};
+use industrial_geometry::io::{self, AtomicFile, Content, ReadOptions, WriteOptions};
+use industrial_geometry::mesh::nalgebra::{Point3, Vector3};
+use industrial_geometry::mesh::{PointCloud, TriangleMesh};
+use industrial_geometry::register::start::{OrientedPoints, StartOptions, coarse_start};
+use industrial_geometry::register::{
+    Pose, RegisterOptions, RegisterReport, Source, StepRecord, register_with_progress,
+};
+use std::io::Write;
+use std::path::Path;
+use std::time::Instant;
+
+/// Distance, as a share of the size of the model, within which a point counts as lying on it when starts are compared.
+const NEAR: f64 = 0.012;
+/// Share of the points near the model above which the given start is good enough.
+const GOOD_SHARE: f64 = 0.9;
+/// Points by which starts are compared.
+const COMPARED: usize = 4000;
+/// Candidates of a search over all positions from which the registration is run.
+const CANDIDATES: usize = 3;
+
+/// Where the registration starts.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Start<'a> {
+    /// Where the points are.
+    Given,
+    /// Where the points are, and a search over all positions if that is not good.
+    Auto,
+    /// The best of a search over all positions.
+    Global,
+    /// The poses of a file.
+    Poses(&'a Path),
+}
+
+/// What is to be done.
+#[derive(Debug)]
+pub(crate) struct Job<'a> {
+    /// File of the model.
+    pub(crate) model: &'a Path,
+    /// File of the points.
+    pub(crate) points: &'a Path,
+    /// File of the moved points.
+    pub(crate) out: Option<&'a Path>,
+    /// File of the motion.
+    pub(crate) transform: Option<&'a Path>,
+    /// Where to start.
+    pub(crate) start: Start<'a>,
+    /// Options of the library.
+    pub(crate) options: RegisterOptions<3>,
+    /// Whether the method makes no sense without normals of the points.
+    pub(crate) needs_normals: bool,
+    /// Whether nobody wants to watch.
+    pub(crate) quiet: bool,
+}
+
+/// The points as they are registered.
+struct Cloud<'a> {
+    positions: Vec<Vector3<f64>>,
+    normals: Option<&'a [Vector3<f64>]>,
+}
+
+/// Does the job and fills in the report; returns whether the result converged.
+pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
+    let init = if let Start::Poses(file) = job.start { Some(file) } else { None };
+    let inputs: Vec<&Path> = [job.model, job.points].into_iter().chain(init).collect();
+    files::check_inputs(&inputs)?;
+    for path in [job.out, job.transform].into_iter().flatten() {
+        files::check_writable(path, &inputs)?;
+    }
+    let mut timings = Timings::default();
+    let (model, read) =
+        Timings::measure(&mut timings.read, || RegistrationModel::read(job.model, &mut report.warnings))?;
+    report.inputs.push(Input::new("model", job.model, &read));
+    let given = init.map(poses::read).transpose()?;
+    let loaded = Timings::measure(&mut timings.read, || files::read(job.points, &ReadOptions::default()))?;
+    report.inputs.push(Input::new("points", job.points, &loaded.report));
+    let content = loaded.content;
+    warn(job, &loaded.report, report);
+    let cloud = cloud(&content, job)?;
+    let field = Timings::measure(&mut timings.build, || model.field(job.model))?;
+    report.model = Some(ModelSummary {
+        kind: model.kind(),
+        dimension: 3,
+        shapes: 1.max(if model.kind() == "nurbs" { model.count() } else { 1 }),
+        patches: model.count(),
+        signed: matches!(model, RegistrationModel::Surfaces(_)),
+    });
+
+    let progress = Progress::new("registering", job.quiet);
+    let began = Instant::now();
+    let (starts, results) = solve(job, &model, field.as_ref(), &cloud, given, &progress)?;
+    timings.compute = began.elapsed().as_secs_f64();
+    drop(progress);
+    let best = best(&starts);
+    report.timings = timings;
+    write(job, content, &results[best], report)?;
+    let converged = results[best].is_converged();
+    report.results =
+        Some(Results::Registration(Box::new(RegistrationResults::new(&results[best], starts, best))));
+    Ok(converged)
+}
+
+fn warn(job: &Job<'_>, read: &io::ReadReport, report: &mut Report) {
+    report
+        .warnings
+        .extend(read.warnings.iter().map(|warning| format!("{}: {warning}", job.points.display())));
+    if read.non_finite > 0 {
+        report.warnings.push(format!(
+            "{}: {} of {} points have a coordinate that is NaN or infinite; they are moved, but do not count",
+            job.points.display(),
+            read.non_finite,
+            read.points
+        ));
+    }
+}
+
+fn cloud<'a>(content: &'a Content, job: &Job<'_>) -> Result<Cloud<'a>, Error> {
+    let cloud = match content {
+        Content::Cloud(cloud) => cloud,
+        Content::Mesh(mesh) => mesh.cloud(),
+        Content::Nurbs(_) => {
+            let what = "points are needed, but this file holds NURBS shapes";
+            return Err(Error::content(job.points, what, "the order is MODEL POINTS"));
+        }
+    };
+    if cloud.dimension() == 2 {
+        let what = "the points have two columns only";
+        return Err(Error::content(job.points, what, "give points of three columns, x, y and z"));
+    }
+    let normals = cloud.attributes().normals();
+    if job.needs_normals && normals.is_none() {
+        let what = "the points have no normals, which --method symmetric needs";
+        return Err(Error::content(job.points, what, "choose another method, or a file with normals"));
+    }
+    Ok(Cloud { positions: cloud.positions().iter().map(|point| point.coords).collect(), normals })
+}
+
+/// Registers from every start.
+fn solve(
+    job: &Job<'_>,
+    model: &RegistrationModel,
+    field: &dyn DistanceField<3>,
+    cloud: &Cloud<'_>,
+    given: Option<Vec<Pose<3>>>,
+    progress: &Progress,
+) -> Result<(Vec<StartResult>, Vec<RegisterReport<3>>), Error> {
+    let (mut starts, mut results) = (Vec::new(), Vec::new());
+    let mut from = |origin: &'static str, pose: &Pose<3>| -> Result<f64, Error> {
+        let began = Instant::now();
+        let result = register(job, field, cloud, pose, progress)?;
+        let (score, share) = compare(field, cloud, &result.pose);
+        starts.push(StartResult::new(origin, pose, &result, score, share, began.elapsed().as_secs_f64()));
+        results.push(result);
+        Ok(share)
+    };
+    let mut search = matches!(job.start, Start::Global);
+    match &given {
+        Some(poses) => {
+            for pose in poses {
+                from("init", pose)?;
+            }
+        }
+        None if !search => {
+            let share = from("given", &Pose::identity())?;
+            search = matches!(job.start, Start::Auto)
+                && share < GOOD_SHARE
+                && !matches!(model, RegistrationModel::Curves(_));
+        }
+        None => {}
+    }
+    if search {
+        let oriented = match cloud.normals {
+            Some(normals) => OrientedPoints::new(&cloud.positions, normals),
+            None => OrientedPoints::without_normals(&cloud.positions),
+        };
+        let tell = |done: usize, total: usize| progress.report(done, total);
+        let samples = model.samples(job.model)?;
+        let found =
+            oriented.and_then(|points| coarse_start(&samples, &points, &StartOptions::default(), &tell));
+        let found = found
+            .map_err(|error| Error::content(job.points, error.to_string(), "check it with `indgeo info`"))?;
+        for candidate in found.candidates.iter().take(CANDIDATES) {
+            from("search", &candidate.pose)?;
+        }
+    }
+    if starts.is_empty() {
+        let what = "no position was found in which the points lie on the model";
+        return Err(Error::content(job.points, what, "give a starting pose (--init)"));
+    }
+    Ok((starts, results))
+}
+
+fn register(
+    job: &Job<'_>,
+    field: &dyn DistanceField<3>,
+    cloud: &Cloud<'_>,
+    start: &Pose<3>,
+    progress: &Progress,
+) -> Result<RegisterReport<3>, Error> {
+    let mut source = Source::new(&cloud.positions);
+    if let Some(normals) = cloud.normals {
+        source = source.with_normals(normals);
+    }
+    let tell = |_: &StepRecord| progress.tick();
+    register_with_progress(field, &source, start, &job.options, &tell)
+        .map_err(|error| Error::content(job.points, error.to_string(), "check it with `indgeo info`"))
+}
+
+/// How well a pose fits: mean squared distance with a limit, as a share of the limit, and the share of the points within.
+fn compare(field: &dyn DistanceField<3>, cloud: &Cloud<'_>, pose: &Pose<3>) -> (f64, f64) {
+    let step = cloud.positions.len().div_ceil(COMPARED).max(1);
+    let moved: Vec<Vector3<f64>> = cloud
+        .positions
+        .iter()
+        .step_by(step)
+        .filter(|x| x.iter().all(|c| c.is_finite()))
+        .map(|x| pose.apply(x))
+        .collect();
+    let limit = NEAR * field.bounding_box().diagonal();
+    let frames = field.frames(&moved, Search::Global, &[Hint::NONE; 0]);
+    let (mut sum, mut near) = (0.0, 0usize);
+    for frame in &frames {
+        let share = (frame.distance / limit).powi(2);
+        sum += if share < 1.0 { share } else { 1.0 };
+        near += usize::from(share < 1.0);
+    }
+    let count = frames.len().max(1) as f64;
+    (sum / count, near as f64 / count)
+}
+
+/// The start whose result fits best; the first of equals.
+fn best(starts: &[StartResult]) -> usize {
+    (1..starts.len()).fold(0, |best, i| if starts[i].score < starts[best].score { i } else { best })
+}
+
+fn write(
+    job: &Job<'_>,
+    content: Content,
+    result: &RegisterReport<3>,
+    report: &mut Report,
+) -> Result<(), Error> {
+    let mut seconds = report.timings.write;
+    Timings::measure(&mut seconds, || -> Result<(), Error> {
+        if let Some(path) = job.out {
+            let written =
+                io::write(path, &moved(content, &result.pose, job.points)?, &WriteOptions::default())?;
+            report
+                .warnings
+                .extend(written.warnings.iter().map(|warning| format!("{}: {warning}", path.display())));
+            let content = format!("{} moved points", written.points);
+            report.outputs.push(Output { path: path.to_path_buf(), bytes: written.bytes, content });
+        }
+        if let Some(path) = job.transform {
+            let failed = |source: std::io::Error| Error::write(path, source);
+            let mut text = serde_json::to_string_pretty(&found::transform(result))
+                .map_err(|error| failed(error.into()))?;
+            text.push('\n');
+            let mut file = AtomicFile::create(path)?;
+            file.write_all(text.as_bytes()).map_err(failed)?;
+            let bytes = file.commit()?;
+            report.outputs.push(Output { path: path.to_path_buf(), bytes, content: "motion".to_owned() });
+        }
+        Ok(())
+    })?;
+    report.timings.write = seconds;
+    Ok(())
+}
+
+/// The same content at its new place.
+fn moved(content: Content, pose: &Pose<3>, path: &Path) -> Result<Content, Error> {
+    let failed =
+        |error: industrial_geometry::mesh::Error| Error::content(path, error.to_string(), "export it again");
+    let at = |cloud: PointCloud| -> Result<PointCloud, Error> {
+        let (positions, mut attributes) = cloud.into_parts();
+        let positions = positions.iter().map(|x| Point3::from(pose.apply(&x.coords))).collect();
+        let normals = attributes.normals().map(|normals| normals.iter().map(|n| pose.rotate(n)).collect());
+        attributes.set_normals(normals);
+        PointCloud::new(positions).with_attributes(attributes).map_err(failed)
+    };
+    Ok(match content {
+        Content::Cloud(cloud) => Content::Cloud(at(cloud)?),
+        Content::Mesh(mesh) => {
+            let (cloud, triangles) = mesh.into_parts();
+            Content::Mesh(TriangleMesh::from_cloud(at(cloud)?, triangles).map_err(failed)?)
+        }
+        other @ Content::Nurbs(_) => other,
+    })
+}

@@ -1,0 +1,134 @@
+//! The shape that points are registered to: its distance field, and samples for a start without a guess.
+
+use crate::error::Error;
+use crate::files;
+use industrial_geometry::distance_field::{CloudField, CurveField, DistanceField, MeshField, SurfaceField};
+use industrial_geometry::io::{Content, ReadOptions, ReadReport, Shape};
+use industrial_geometry::mesh::{PointCloud, TriangleMesh};
+use industrial_geometry::nurbs::{BsplineCurve, BsplineSurface, ParametricSurface};
+use industrial_geometry::register::start::OrientedPoints;
+use std::path::Path;
+
+/// Points of a model from which a start is looked for.
+const SAMPLES: usize = 12_000;
+
+const ADVICE: &str = "check it with `indgeo info`";
+
+/// A model as read.
+#[derive(Debug)]
+pub(crate) enum RegistrationModel {
+    /// NURBS surfaces.
+    Surfaces(Vec<BsplineSurface>),
+    /// NURBS curves in space.
+    Curves(Vec<BsplineCurve<3>>),
+    /// A triangle mesh.
+    Mesh(TriangleMesh),
+    /// A cloud, dense enough to stand for a surface.
+    Cloud(PointCloud),
+}
+
+impl RegistrationModel {
+    /// Reads NURBS JSON, a mesh or a cloud.
+    pub(crate) fn read(path: &Path, warnings: &mut Vec<String>) -> Result<(Self, ReadReport), Error> {
+        let loaded = files::read(path, &ReadOptions::default().with_drop_non_finite(true))?;
+        let report = loaded.report;
+        warnings.extend(report.warnings.iter().map(|warning| format!("{}: {warning}", path.display())));
+        if report.dropped > 0 {
+            warnings.push(format!(
+                "{}: {} points that are not finite are left out",
+                path.display(),
+                report.dropped
+            ));
+        }
+        let model = match loaded.content {
+            Content::Nurbs(model) => Self::of_shapes(model.into_shapes(), path, warnings)?,
+            Content::Mesh(mesh) => Self::Mesh(mesh),
+            Content::Cloud(cloud) if cloud.dimension() == 2 => {
+                let what = "the model is a cloud in the plane";
+                return Err(Error::content(path, what, "give a model in space"));
+            }
+            Content::Cloud(cloud) => Self::Cloud(cloud),
+        };
+        Ok((model, report))
+    }
+
+    fn of_shapes(shapes: Vec<Shape>, path: &Path, warnings: &mut Vec<String>) -> Result<Self, Error> {
+        let (mut surfaces, mut curves) = (Vec::new(), Vec::new());
+        for shape in shapes {
+            match shape {
+                Shape::Surface(surface) => surfaces.push(surface),
+                Shape::Curve3(curve) => curves.push(curve),
+                Shape::Curve2(_) => {
+                    let what = "the model has curves in the plane";
+                    return Err(Error::content(path, what, "give curves (\"dim\": 3) or surfaces in space"));
+                }
+            }
+        }
+        match (surfaces.is_empty(), curves.is_empty()) {
+            (true, true) => {
+                Err(Error::content(path, "the model has no shapes", "give at least one curve or surface"))
+            }
+            (true, false) => Ok(Self::Curves(curves)),
+            (false, _) => {
+                if !curves.is_empty() {
+                    warnings.push(format!(
+                        "{}: {} curves are left out, points are registered to the surfaces",
+                        path.display(),
+                        curves.len()
+                    ));
+                }
+                Ok(Self::Surfaces(surfaces))
+            }
+        }
+    }
+
+    /// `nurbs`, `mesh` or `cloud`.
+    pub(crate) fn kind(&self) -> &'static str {
+        match self {
+            Self::Surfaces(_) | Self::Curves(_) => "nurbs",
+            Self::Mesh(_) => "mesh",
+            Self::Cloud(_) => "cloud",
+        }
+    }
+
+    /// Number of curves and surfaces, triangles or points.
+    pub(crate) fn count(&self) -> usize {
+        match self {
+            Self::Surfaces(surfaces) => surfaces.len(),
+            Self::Curves(curves) => curves.len(),
+            Self::Mesh(mesh) => mesh.triangles().len(),
+            Self::Cloud(cloud) => cloud.len(),
+        }
+    }
+
+    /// The distance field.
+    pub(crate) fn field(&self, path: &Path) -> Result<Box<dyn DistanceField<3>>, Error> {
+        let field: Result<Box<dyn DistanceField<3>>, _> = match self {
+            Self::Surfaces(surfaces) => SurfaceField::for_model(surfaces).map(|field| Box::new(field) as _),
+            Self::Curves(curves) => CurveField::for_model(curves).map(|field| Box::new(field) as _),
+            Self::Mesh(mesh) => MeshField::new(mesh).map(|field| Box::new(field) as _),
+            Self::Cloud(cloud) => CloudField::new(cloud.positions(), cloud.attributes().normals())
+                .map(|field| Box::new(field) as _),
+        };
+        field.map_err(|error| Error::content(path, error.to_string(), ADVICE))
+    }
+
+    /// Points with normals, spread over the model.
+    pub(crate) fn samples(&self, path: &Path) -> Result<OrientedPoints, Error> {
+        match self {
+            Self::Surfaces(surfaces) => {
+                let surfaces: Vec<&dyn ParametricSurface> =
+                    surfaces.iter().map(|surface| surface as _).collect();
+                Ok(OrientedPoints::from_surfaces(&surfaces, SAMPLES))
+            }
+            Self::Mesh(mesh) => Ok(OrientedPoints::from_mesh(mesh, SAMPLES)),
+            Self::Cloud(cloud) => OrientedPoints::from_cloud(cloud)
+                .map_err(|error| Error::content(path, error.to_string(), ADVICE)),
+            Self::Curves(_) => Err(Error::content(
+                path,
+                "a start without a guess needs surfaces, this model has curves only",
+                "give a starting pose (--init) or choose --start given",
+            )),
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! What a registration found, for machines.
+
+use industrial_geometry::register::{Covariance, Pose, RegisterReport, StepRecord};
+use serde::Serialize;
+
+/// A motion with all that is known about it: the content of a transform file.
+#[derive(Debug, Serialize)]
+pub(crate) struct TransformFile {
+    /// `x ↦ s R x + t` in homogeneous coordinates, by rows.
+    pub(crate) matrix: [[f64; 4]; 4],
+    /// The rotation in two more forms.
+    pub(crate) rotation: Rotation,
+    /// `t`.
+    pub(crate) translation: [f64; 3],
+    /// `s`, 1 unless it was estimated.
+    pub(crate) scale: f64,
+    /// How the iteration ended.
+    pub(crate) status: &'static str,
+    /// Root mean square distance of the points that count.
+    pub(crate) rms: f64,
+    /// The same at the start, over all points.
+    pub(crate) initial_rms: f64,
+    /// Number of steps.
+    pub(crate) iterations: usize,
+    /// Points given, those that are finite, and those that count at the end.
+    pub(crate) points: usize,
+    pub(crate) points_used: usize,
+    pub(crate) points_dropped: usize,
+    /// Largest distance that counts, where outliers were told apart.
+    pub(crate) distance_limit: Option<f64>,
+    /// How well the pose is determined.
+    pub(crate) covariance: Option<Covariance<3>>,
+    /// Motions that the shape does not fix.
+    pub(crate) free_motions: Vec<String>,
+    /// Every step.
+    pub(crate) history: Vec<StepRecord>,
+}
+
+/// A rotation.
+#[derive(Debug, Serialize)]
+pub(crate) struct Rotation {
+    /// `[w, x, y, z]`.
+    pub(crate) quaternion: [f64; 4],
+    /// Unit axis.
+    pub(crate) axis: [f64; 3],
+    /// Angle about it in radians.
+    pub(crate) angle: f64,
+}
+
+/// The content of the transform file of a result.
+pub(crate) fn transform(result: &RegisterReport<3>) -> TransformFile {
+    let pose = &result.pose;
+    let (axis, angle) = pose.axis_angle();
+    TransformFile {
+        matrix: pose.to_row_major(),
+        rotation: Rotation { quaternion: pose.quaternion(), axis: axis.into(), angle },
+        translation: pose.translation().into(),
+        scale: pose.scale,
+        status: result.status.name(),
+        rms: result.rms,
+        initial_rms: result.initial_rms,
+        iterations: result.iterations,
+        points: result.points,
+        points_used: result.used,
+        points_dropped: result.dropped,
+        distance_limit: result.limit,
+        covariance: result.covariance.clone(),
+        free_motions: result.free_motions.iter().map(ToString::to_string).collect(),
+        history: result.history.clone(),
+    }
+}
+
+/// One start and where it led.
+#[derive(Debug, Serialize)]
+pub(crate) struct StartResult {
+    /// `given`, `init` or `search`.
+    pub(crate) origin: &'static str,
+    /// The starting pose, by rows.
+    pub(crate) start: [[f64; 4]; 4],
+    /// The pose it led to.
+    pub(crate) matrix: [[f64; 4]; 4],
+    /// How the iteration ended.
+    pub(crate) status: &'static str,
+    /// Number of steps.
+    pub(crate) iterations: usize,
+    /// Root mean square distance of the points that count.
+    pub(crate) rms: f64,
+    /// Mean squared distance, limited to 1.2 % of the diagonal of the model, as a share of that limit squared: by this
+    /// the results are compared.
+    pub(crate) score: f64,
+    /// Share of the points within that limit.
+    pub(crate) share_near: f64,
+    /// Seconds it took.
+    pub(crate) seconds: f64,
+}
+
+impl StartResult {
+    /// From a result.
+    pub(crate) fn new(
+        origin: &'static str,
+        start: &Pose<3>,
+        result: &RegisterReport<3>,
+        score: f64,
+        share_near: f64,
+        seconds: f64,
+    ) -> Self {
+        Self {
+            origin,
+            start: start.to_row_major(),
+            matrix: result.pose.to_row_major(),
+            status: result.status.name(),
+            iterations: result.iterations,
+            rms: result.rms,
+            score,
+            share_near,
+            seconds,
+        }
+    }
+}
+
+/// What a registration found.
+#[derive(Debug, Serialize)]
+pub(crate) struct RegistrationResults {
+    /// The motion.
+    #[serde(flatten)]
+    pub(crate) transform: TransformFile,
+    /// Every start.
+    pub(crate) starts: Vec<StartResult>,
+    /// Index of the start that counts.
+    pub(crate) best_start: usize,
+}
+
+impl RegistrationResults {
+    /// From the best result and all starts.
+    pub(crate) fn new(best: &RegisterReport<3>, starts: Vec<StartResult>, best_start: usize) -> Self {
+        Self { transform: transform(best), starts, best_start }
+    }
+}
