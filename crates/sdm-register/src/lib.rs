@@ -4,6 +4,9 @@
 //! their sum is minimised in the six unknowns of a velocity field `v(x) = c̄ + c × x`, the cloud follows the helical motion
 //! of that field, and again. ICP, the algorithm of Chen and Medioni, and squared distance minimisation differ in the models
 //! only ([`ErrorTerm`](distance_field::ErrorTerm)).
+//!
+//! Where no pose is known to begin with, [`start`] finds candidates from any position; [`views`] registers many scans of one
+//! object to each other, all at once.
 
 mod anderson;
 mod constraint;

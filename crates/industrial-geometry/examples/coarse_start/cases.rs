@@ -41,10 +41,10 @@ impl Generator {
 /// What is done to the cloud before it is displaced.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Damage {
-    /// Share of the cloud that is cut off by a random plane.
-    pub(crate) missing: f64,
-    /// Share of outliers in the box around the cloud, in the end.
-    pub(crate) outliers: f64,
+    /// Percentage of the cloud that is cut off by a random plane.
+    pub(crate) missing: usize,
+    /// Percentage of outliers in the box around the cloud, in the end.
+    pub(crate) outliers: usize,
     /// Noise, in diameters.
     pub(crate) noise: f64,
 }
@@ -68,7 +68,7 @@ impl Case {
         let mut heights: Vec<f64> =
             self.source.points()[..self.core].iter().map(|x| x.dot(&direction)).collect();
         heights.sort_by(f64::total_cmp);
-        let cut = heights[((heights.len() - 1) as f64 * missing) as usize];
+        let cut = heights[(heights.len() - 1) * missing / 100];
         let (mut points, mut normals) = (Vec::new(), Vec::new());
         let mut core = 0;
         for (i, (x, n)) in self.source.points().iter().zip(self.source.normals()).enumerate() {
@@ -79,7 +79,7 @@ impl Case {
             }
         }
         if let Some(bounds) = self.source.bounding_box() {
-            let count = (points.len() as f64 * outliers / (1.0 - outliers)) as usize;
+            let count = points.len() * outliers / (100 - outliers);
             for _ in 0..count {
                 let inside = Vector3::from_fn(|_, _| random.unit()).component_mul(&bounds.sides());
                 points.push(bounds.min + inside);
@@ -100,9 +100,9 @@ impl Case {
     }
 
     fn variants(self) -> Vec<Self> {
-        let half = Damage { missing: 0.5, ..Damage::default() };
-        let outliers = Damage { outliers: 0.5, ..Damage::default() };
-        let bad = Damage { missing: 0.5, outliers: 0.3, noise: 2e-3 };
+        let half = Damage { missing: 50, ..Damage::default() };
+        let outliers = Damage { outliers: 50, ..Damage::default() };
+        let bad = Damage { missing: 50, outliers: 30, noise: 2e-3 };
         let damaged = [("half", half), ("50% outliers", outliers), ("half, 30% out., noise", bad)];
         let mut all: Vec<Self> = damaged.map(|(name, damage)| self.damaged(name, damage)).into();
         all.insert(0, self);
