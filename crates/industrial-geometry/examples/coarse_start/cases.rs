@@ -134,7 +134,7 @@ pub(crate) fn read(folder: &Path) -> Result<Case, Box<dyn Error>> {
         diameter: json["diam"].as_f64().ok_or("no diam")?,
         core: whole.min(source.len()),
         source: OrientedPoints::from_cloud(&source)?,
-        truth: Pose::from_row_major(&rows)?,
+        truth: Pose::<3>::from_row_major(&rows)?,
         damage: Damage::default(),
     })
 }
