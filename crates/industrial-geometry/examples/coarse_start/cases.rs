@@ -125,7 +125,9 @@ pub(crate) fn read(folder: &Path) -> Result<Case, Box<dyn Error>> {
         })
         .collect();
     let source = io::read_cloud(folder.join("source.ply"), &ReadOptions::default())?.content;
-    let entry = |i: usize, j: usize| json["T_gt"][i][j].as_f64().unwrap_or(f64::NAN);
+    // The best fit, where the cloud deviates from the model.
+    let truth = if json["T_ref"].is_array() { &json["T_ref"] } else { &json["T_gt"] };
+    let entry = |i: usize, j: usize| truth[i][j].as_f64().unwrap_or(f64::NAN);
     let rows = [0, 1, 2, 3].map(|i| [0, 1, 2, 3].map(|j| entry(i, j)));
     let whole = usize::try_from(json["core_mask"].as_u64().ok_or("no core_mask")?)?;
     Ok(Case {

@@ -3,7 +3,7 @@
 //! ```sh
 //! cargo run --release -p industrial-geometry --example coarse_start -- [--trials N] [CASE…]
 //! ```
-//! A CASE is a folder with `source.ply` and a `case.json` that names the model, the true pose `T_gt` and the number of
+//! A CASE is a folder with `source.ply` and a `case.json` that names the model, the true pose `T_ref` or `T_gt` and the number of
 //! points that belong to the model (`core_mask`). Without one the bunny and some synthetic shapes are tried.
 
 mod cases;
@@ -11,7 +11,9 @@ mod cases;
 use cases::{Case, Generator};
 use industrial_geometry::footpoint::no_progress;
 use industrial_geometry::register::Pose;
-use industrial_geometry::register::start::{CoarseStart, OrientedPoints, StartMethod, StartOptions};
+use industrial_geometry::register::start::{
+    CoarseStart, OrientedPoints, StartMethod, StartOptions, StartStatus,
+};
 use std::error::Error;
 use std::time::Instant;
 
@@ -28,8 +30,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         folders.iter().map(|folder| cases::read(folder.as_ref())).collect::<Result<_, _>>()?
     };
     println!(
-        "{:<30} {:>15} {:>6} {:>6} {:>9} {:>9} {:>7} {:>7} {:>8}",
-        "case", "method", "first", "any", "median", "worst", "rounds", "seconds", "prepare"
+        "{:<30} {:>15} {:>6} {:>6} {:>6} {:>9} {:>9} {:>7} {:>7} {:>8}",
+        "case", "method", "first", "any", "found", "median", "worst", "rounds", "seconds", "prepare"
     );
     for case in &cases {
         for method in [StartMethod::PrincipalAxes, StartMethod::PointPairs, StartMethod::Automatic] {
@@ -45,7 +47,7 @@ fn measure(case: &Case, method: StartMethod, trials: usize) -> Result<(), Box<dy
     let start = CoarseStart::new(&case.model, &options)?;
     let prepare = clock.elapsed().as_secs_f64();
     let mut random = Generator::new(17);
-    let (mut first, mut any, mut rounds, mut seconds) = (0, 0, 0, 0.0);
+    let (mut first, mut any, mut sure, mut rounds, mut seconds) = (0, 0, 0, 0, 0.0);
     let mut errors = Vec::new();
     for _ in 0..trials {
         let (points, normals, core) = case.cloud(&mut random);
@@ -57,6 +59,7 @@ fn measure(case: &Case, method: StartMethod, trials: usize) -> Result<(), Box<dy
         let report = start.search(&cloud, &no_progress)?;
         seconds += clock.elapsed().as_secs_f64();
         rounds += report.rounds;
+        sure += usize::from(report.status == StartStatus::Found);
         let error = |pose: &Pose<3>| {
             let sum: f64 = (0..core)
                 .map(|i| (pose.apply(&moved[i]) - case.truth.apply(&points[i])).norm_squared())
@@ -70,11 +73,12 @@ fn measure(case: &Case, method: StartMethod, trials: usize) -> Result<(), Box<dy
     }
     errors.sort_by(f64::total_cmp);
     println!(
-        "{:<30} {:>15} {:>6} {:>6} {:>9.2e} {:>9.2e} {:>7.1} {:>7.3} {:>8.3}",
+        "{:<30} {:>15} {:>6} {:>6} {:>6} {:>9.2e} {:>9.2e} {:>7.1} {:>7.3} {:>8.3}",
         case.name,
         method.name(),
         format!("{first}/{trials}"),
         format!("{any}/{trials}"),
+        format!("{sure}/{trials}"),
         errors[errors.len() / 2],
         errors[errors.len() - 1],
         rounds as f64 / trials as f64,

@@ -39,7 +39,7 @@ pub struct StartOptions {
     /// The smallest share of the cloud that must lie on the model for a pose to count as found; default 0.15.
     pub min_share: f64,
     /// Distance up to which a point of the cloud counts as lying on the model, as a share of the diagonal of the model's
-    /// box; default 0.012.
+    /// box; default 0.012. Clouds that deviate more are judged by three times the spread of their distances.
     pub tolerance: f64,
     /// Whether the normals of cloud and model point to the same side of the surface; default false: then their signs are
     /// ignored. True is faster and tells thin walls apart.

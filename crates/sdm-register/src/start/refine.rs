@@ -14,7 +14,11 @@ const SHRINK: f64 = 0.85;
 /// Most steps at the finest limit.
 const ROUNDS: usize = 3;
 
-/// Gauss-Newton steps for distances to tangent planes with Tukey's weights, down to the distance limit `finest`.
+/// Distances beyond this multiple of their spread are outlying.
+pub(crate) const OUTLYING: f64 = 3.0;
+
+/// Gauss-Newton steps for distances to tangent planes with Tukey's weights, down to the distance limit `finest`, or to the
+/// spread of the distances where the cloud deviates more from the model.
 pub(crate) fn refine(
     mut placement: Placement,
     scorer: &Scorer,
@@ -22,7 +26,7 @@ pub(crate) fn refine(
     count: usize,
     finest: f64,
 ) -> Placement {
-    let (mut step_count, mut limit, mut rounds) = (0, LIMITS[0], 0);
+    let (mut step_count, mut limit, mut rounds, mut finest) = (0, LIMITS[0], 0, finest);
     while rounds < ROUNDS {
         let (matrix, rhs) = normal_equations(&placement, scorer, cloud, count, limit);
         let Some((step, size)) = solve(matrix, &rhs) else { return placement };
@@ -34,6 +38,10 @@ pub(crate) fn refine(
             }
         }
         step_count += 1;
+        if step_count == LIMITS.len() {
+            finest =
+                finest.max(OUTLYING * scorer.spread(&placement, cloud, count)).min(LIMITS[LIMITS.len() - 1]);
+        }
         limit = LIMITS.get(step_count).copied().unwrap_or(limit * SHRINK).max(finest);
     }
     placement

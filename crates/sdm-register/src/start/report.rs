@@ -68,6 +68,9 @@ pub struct StartReport {
     pub candidates: Vec<StartCandidate>,
     /// Independent motions of the best pose that the shape does not resist: 3 for a plane or sphere, 2 for a cylinder.
     pub free_motions: usize,
+    /// Distance up to which points counted as lying on the model, in the units of the model: the tolerance of the options, or
+    /// three times the spread of the distances where the cloud deviates more.
+    pub tolerance: f64,
     /// Number of rounds over pairs.
     pub rounds: usize,
     /// Number of poses that were tried.

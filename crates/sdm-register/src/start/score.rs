@@ -78,6 +78,21 @@ impl Scorer {
         sum
     }
 
+    /// Spread of the distances of the first `count` points that are near the model: 1.48 times the median.
+    pub(crate) fn spread(&self, placement: &Placement, cloud: &OrientedPoints, count: usize) -> f64 {
+        let mut distances = Vec::with_capacity(count);
+        for index in 0..count {
+            let x = placement.apply(&cloud.points()[index]);
+            let normal = placement.rotation * cloud.normals()[index];
+            distances.extend(self.contact(&x, &normal).map(|contact| contact.distance_sq));
+        }
+        if distances.is_empty() {
+            return REACH;
+        }
+        let middle = distances.len() / 2;
+        1.4826 * distances.select_nth_unstable_by(middle, f64::total_cmp).1.sqrt()
+    }
+
     /// Share of the first `count` points within `limit`, and the root mean square of their distances.
     pub(crate) fn share_and_rms(
         &self,

@@ -7,8 +7,8 @@ use super::pairs::{PairTable, SHORTEST};
 use super::placement::Placement;
 use super::pool::{Pool, SAME, distinct};
 use super::random::Random;
-use super::refine::{free_motions, refine};
-use super::score::{REACH, Scorer};
+use super::refine::{OUTLYING, free_motions, refine};
+use super::score::Scorer;
 use super::thin::thin;
 use super::{OrientedPoints, StartCandidate, StartMethod, StartOptions, StartReport, StartStatus, axes};
 use crate::{Error, parallel};
@@ -37,6 +37,9 @@ const MEDIUM: f64 = 0.025;
 
 /// Distance limit down to which poses are improved before they are ranked the first time.
 const FINE: f64 = 0.015;
+
+/// The largest tolerance to which deviations of the cloud from the model lead.
+const WIDEST: f64 = 0.04;
 
 /// The search ends when its best pose was met in this many rounds.
 const VOTES: usize = 3;
@@ -237,18 +240,21 @@ impl<'a> Run<'a> {
         let (scorer, options) = (&self.start.scorer, &self.start.options);
         let all = self.cloud.len();
         let entries = &self.pool.entries[..self.pool.entries.len().min(2 * options.candidates)];
-        let polished = parallel::tasks(entries.len(), |k| {
-            let placement = refine(entries[k].placement, scorer, &self.cloud, all, options.tolerance);
-            (
-                scorer.sum(&placement, &self.cloud, 0..all, options.tolerance.min(REACH)) / all as f64,
-                placement,
-            )
+        let improved = parallel::tasks(entries.len(), |k| {
+            refine(entries[k].placement, scorer, &self.cloud, all, options.tolerance)
+        });
+        // A cloud that deviates from the model by more than the tolerance is judged by the deviation of the best pose.
+        let spreads = parallel::tasks(improved.len(), |k| scorer.spread(&improved[k], &self.cloud, all));
+        let least = spreads.iter().copied().fold(f64::INFINITY, f64::min);
+        let tolerance = options.tolerance.max((OUTLYING * least).min(WIDEST));
+        let polished: Vec<(f64, Placement)> = parallel::tasks(improved.len(), |k| {
+            (scorer.sum(&improved[k], &self.cloud, 0..all, tolerance) / all as f64, improved[k])
         });
         let ranked = distinct(polished.clone(), 0.5 * SAME, self.radius, options.candidates);
         let mut candidates = Vec::new();
         for (score, placement) in &ranked {
             let entry = polished.iter().position(|(_, other)| other == placement).map_or(0, |index| index);
-            let (share, rms) = scorer.share_and_rms(placement, &self.cloud, all, options.tolerance);
+            let (share, rms) = scorer.share_and_rms(placement, &self.cloud, all, tolerance);
             candidates.push(StartCandidate {
                 pose: placement.to_pose(cloud_centre, &self.start.centre, self.start.scale),
                 score: *score,
@@ -260,7 +266,7 @@ impl<'a> Run<'a> {
         }
         let free = ranked
             .first()
-            .map_or(0, |(_, placement)| free_motions(placement, scorer, &self.cloud, all, options.tolerance));
+            .map_or(0, |(_, placement)| free_motions(placement, scorer, &self.cloud, all, tolerance));
         let found = candidates.first().is_some_and(|best| best.share >= options.min_share);
         let rivals = candidates.len() > 1 && candidates[1].score > RIVAL * candidates[0].score;
         let status = match (cancelled, found, free > 0 || rivals) {
@@ -269,7 +275,14 @@ impl<'a> Run<'a> {
             (.., true) => StartStatus::Ambiguous,
             _ => StartStatus::Found,
         };
-        StartReport { status, candidates, free_motions: free, rounds: self.rounds, tried: self.tried }
+        StartReport {
+            status,
+            candidates,
+            free_motions: free,
+            tolerance: tolerance * self.start.scale,
+            rounds: self.rounds,
+            tried: self.tried,
+        }
     }
 }
 

@@ -29,16 +29,18 @@ pub(crate) fn initial_poses(
     let total = views.len() * (views.len() - 1) / 2;
     'pairs: for i in 0..views.len() {
         let start = CoarseStart::new(&clouds[i], &start_options)?;
-        let scale = clouds[i].bounding_box().map_or(1.0, |bounds| bounds.diagonal());
         for j in i + 1..views.len() {
             if progress(tried, total).is_break() {
                 break 'pairs;
             }
             let report = start.search(&clouds[j], &|_, _| ControlFlow::Continue(()))?;
             tried += 1;
-            let best = report.candidates.iter().max_by(|a, b| excess(a, scale).total_cmp(&excess(b, scale)));
-            if let Some(best) = best.filter(|best| excess(best, scale) >= LEAST_EXCESS) {
-                links.push((excess(best, scale), [i, j], best.pose));
+            let best = report
+                .candidates
+                .iter()
+                .max_by(|a, b| excess(a, report.tolerance).total_cmp(&excess(b, report.tolerance)));
+            if let Some(best) = best.filter(|best| excess(best, report.tolerance) >= LEAST_EXCESS) {
+                links.push((excess(best, report.tolerance), [i, j], best.pose));
             }
         }
     }
@@ -68,8 +70,8 @@ pub(crate) fn initial_poses(
 ///
 /// Points that are near by chance have distances spread evenly up to the tolerance `τ`, with the mean square `τ²/3`: they add
 /// nothing to `Σ (1 − 3 d²/τ²)`, whereas a point that belongs there adds nearly 1.
-fn excess(candidate: &StartCandidate, scale: f64) -> f64 {
-    candidate.share * (1.0 - 3.0 * (candidate.rms / (TOLERANCE * scale)).powi(2))
+fn excess(candidate: &StartCandidate, tolerance: f64) -> f64 {
+    candidate.share * (1.0 - 3.0 * (candidate.rms / tolerance).powi(2))
 }
 
 /// The points of a view, with normals by the plane through neighbours where it has none.
