@@ -39,7 +39,7 @@ fn searches(c: &mut Criterion) {
                     b.iter(|| {
                         points.iter().for_each(|x| {
                             black_box(projector.project_with(x, &options));
-                        })
+                        });
                     });
                 });
             }
@@ -63,7 +63,7 @@ fn curve_searches<const D: usize>(
             b.iter(|| {
                 points.iter().for_each(|x| {
                     black_box(projector.project_with(x, options));
-                })
+                });
             });
         });
     }

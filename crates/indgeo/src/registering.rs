@@ -189,7 +189,9 @@ fn solve(
         let found = found
             .map_err(|error| Error::content(job.points, error.to_string(), "check it with `indgeo info`"))?;
         for candidate in found.candidates.iter().take(CANDIDATES) {
-            from("search", &candidate.pose)?;
+            if from("search", &candidate.pose)? >= GOOD_SHARE {
+                break;
+            }
         }
     }
     if starts.is_empty() {

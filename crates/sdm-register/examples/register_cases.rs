@@ -125,7 +125,7 @@ impl Case {
         let points = read_ply(&folder.join("source.ply"))?;
         Ok(Self {
             field: SurfaceField::new(&surface)?,
-            inliers: case["core_mask"].as_u64().map_or(points.len(), |n| n as usize),
+            inliers: case["core_mask"].as_u64().and_then(|n| usize::try_from(n).ok()).unwrap_or(points.len()),
             points,
             diameter: case["diam"].as_f64().ok_or("no diameter")?,
             reference: pose(reference)?,

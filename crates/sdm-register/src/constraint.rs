@@ -107,7 +107,7 @@ impl<const D: usize> Chart<D> {
     }
 
     /// The rotation vector of coordinates in the axes of the locks.
-    fn from_axes(&self, w: &Vector3<f64>) -> Vector3<f64> {
+    fn out_of_axes(&self, w: &Vector3<f64>) -> Vector3<f64> {
         if D == 2 {
             *w
         } else {
@@ -136,11 +136,11 @@ impl<const D: usize> Chart<D> {
             columns.push((Velocity { translation, ..Velocity::zero() }.to_unknowns(), true));
         }
         // A change of the rotation vector turns the system by its left Jacobian times the change.
-        let world = self.from_axes(&w);
+        let world = self.out_of_axes(&w);
         for i in (0..rotations(D)).filter(|&i| !self.locks.rotations[i]) {
             let mut axis = Vector3::zeros();
             axis[i] = 1.0;
-            let axis = self.from_axes(&axis);
+            let axis = self.out_of_axes(&axis);
             let rotation = if D == 2 { axis } else { exponential::<3>(&world).1 * axis };
             columns.push((Velocity::<D> { rotation, ..Velocity::zero() }.to_unknowns(), false));
         }
@@ -181,7 +181,7 @@ impl<const D: usize> Chart<D> {
                 w[i] = 0.0;
             }
         }
-        let turn = exponential::<D>(&self.from_axes(&w)).0;
+        let turn = exponential::<D>(&self.out_of_axes(&w)).0;
         let origin = self.locks.origin;
         let growth = pose.scale / self.start.scale;
         let moved = turn * (self.start.target_origin - origin) * growth;

@@ -104,7 +104,7 @@ pub fn align_datum<const D: usize>(
         let motion = velocity.translation.norm() / length + velocity.rotation.norm();
         let next_cost = cost_of(targets, &next);
         iterations += 1;
-        if motion > 1e-7 && !(next_cost <= cost) {
+        if motion > 1e-7 && (next_cost > cost || next_cost.is_nan()) {
             damping = (damping * 10.0).max(1e-3);
             continue;
         }

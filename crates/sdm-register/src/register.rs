@@ -10,7 +10,9 @@ use distance_field::DistanceField;
 use std::ops::ControlFlow;
 
 /// A progress callback that does nothing.
-#[must_use]
+///
+/// # Errors
+/// Never breaks.
 pub fn no_progress(_: &StepRecord) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }

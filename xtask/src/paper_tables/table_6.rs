@@ -118,7 +118,7 @@ pub(crate) fn disagreements(registrations: &[Registration]) -> Vec<String> {
         for (j, &exact) in registration.exact.iter().enumerate() {
             let computed = errors.get(j).copied().unwrap_or(f64::NAN);
             let allowed = RELATIVE * exact + ROUNDING;
-            if !((computed - exact).abs() <= allowed) {
+            if computed.is_nan() || (computed - exact).abs() > allowed {
                 found.push(format!(
                     "Table 6, {}, step {j}: exact {exact}, computed {computed}",
                     registration.title

@@ -128,8 +128,9 @@ impl Shape {
             let [u, v] = self.surface.domain();
             let middle = self.surface.point(u.midpoint(), v.midpoint());
             let beyond = |i: usize| {
-                let edge =
-                    self.surface.point(u.lerp(parameter(i)[0]), if i % 2 == 0 { v.start() } else { v.end() });
+                let edge = self
+                    .surface
+                    .point(u.lerp(parameter(i)[0]), if i.is_multiple_of(2) { v.start() } else { v.end() });
                 edge + (edge - middle) * (0.05 + 0.3 * parameter(i)[1])
             };
             sets.push(("beyond", (0..COUNT).map(beyond).collect()));

@@ -64,6 +64,7 @@ pub(crate) struct Geometry {
 
 impl Geometry {
     /// Appends a patch, whose net is given relative to `centre`.
+    #[expect(clippy::too_many_arguments, reason = "a patch, and where its coefficients begin")]
     pub(super) fn push(
         &mut self,
         shape: usize,

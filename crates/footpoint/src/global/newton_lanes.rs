@@ -145,6 +145,7 @@ impl Geometry {
 
     /// What becomes of a lane that does not simply go on: a place on the same patch, or the end of its walk.
     #[inline(always)]
+    #[expect(clippy::result_large_err, reason = "used at once; a box would cost an allocation per point")]
     fn conclude_lane(
         &self,
         round: &Round,

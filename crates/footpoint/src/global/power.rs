@@ -235,6 +235,7 @@ pub(super) fn lane_jets<const C: usize>(a: &[Wide<C>; 6]) -> [Wide<3>; 6] {
 }
 
 #[cfg(test)]
+#[expect(clippy::cast_possible_truncation, reason = "small degrees")]
 mod tests {
     use super::*;
 
