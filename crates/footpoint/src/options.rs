@@ -14,7 +14,8 @@ pub enum Mode {
     /// Every piece whose bounds do not exclude a nearer point (the 32 nearest at most) is sampled on a grid, eight
     /// places or more in each direction, and the distance is followed from each dip that may lead lower. The answer is
     /// always a true point of the shape with its distance, and a local minimum; another minimum that is nearer is
-    /// missed only where it hides between samples, or next to a pole, whose parameter lines all meet. For wavy surfaces and tight turns within one piece, certify.
+    /// missed only where it hides between samples. Patches with a collapsed edge are searched as for a proof, since next
+    /// to a pole no sample leads to the foot. For wavy surfaces and tight turns within one piece, certify.
     Fast,
     /// One local iteration from the start given: a previous answer, or the nearest piece when there is none.
     Local,

@@ -20,7 +20,7 @@ fn hardly_any_point_of_the_known_cases_is_missed() {
         let json = std::fs::read(dir.join(format!("{shape}.json"))).unwrap();
         let surface: BsplineSurface = serde_json::from_slice(&json).unwrap();
         let projector = SurfaceProjector::new(&surface);
-        let (mut count, mut missed, mut at_poles) = (0, Vec::new(), 0);
+        let (mut count, mut missed) = (0, Vec::new());
         for set in ["on", "near", "mid", "far", "beyond", "singular"] {
             let queries = dir.join(format!("{shape}.{set}.q"));
             if !queries.exists() {
@@ -34,11 +34,6 @@ fn hardly_any_point_of_the_known_cases_is_missed() {
                 assert!((surface.point(u, v) - foot.point).norm() < 1e-9, "{shape}.{set} {i}: {foot}");
                 assert!(((foot.point - x).norm() - foot.distance).abs() < 1e-9, "{shape}.{set} {i}: {foot}");
                 if foot.distance > truth[2] * (1.0 + 1e-6) + 1e-7 {
-                    // Next to a pole more is missed: nearly all parameter lines lead there, few to the foot.
-                    if set == "singular" {
-                        at_poles += 1;
-                        continue;
-                    }
                     missed.push(format!("{set} {i}: {foot}, true {} at {} {}", truth[2], truth[0], truth[1]));
                 }
                 count += 1;
@@ -46,6 +41,5 @@ fn hardly_any_point_of_the_known_cases_is_missed() {
         }
         assert!(count > 400);
         assert!(missed.len() <= 2, "{shape}: {} of {count}: {missed:#?}", missed.len());
-        assert!(at_poles <= 10, "{shape}: {at_poles}");
     }
 }

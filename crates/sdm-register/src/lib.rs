@@ -5,6 +5,27 @@
 //! of that field, and again. ICP, the algorithm of Chen and Medioni, and squared distance minimisation differ in the models
 //! only ([`ErrorTerm`](distance_field::ErrorTerm)).
 //!
+//! ```
+//! use distance_field::SurfaceField;
+//! use nalgebra::{Rotation3, Vector3};
+//! use nurbs_core::{BsplineSurface, KnotVector, ParametricSurface};
+//! use sdm_register::{Pose, RegisterOptions, Source, register};
+//!
+//! // A bumpy surface, and points on it that were turned and moved.
+//! let knots = KnotVector::uniform_clamped(3, 6)?;
+//! let at = |i: usize, j: usize| Vector3::new(i as f64, j as f64, [0.0, 0.9, -0.6, 0.4, 1.1][(2 * i + 3 * j) % 5]);
+//! let net = (0..36).map(|k| at(k / 6, k % 6)).collect();
+//! let model = BsplineSurface::new(knots.clone(), knots, net, None)?;
+//! let motion = Rotation3::from_scaled_axis(Vector3::new(0.1, -0.05, 0.15));
+//! let displaced = |k: usize| motion * model.point((k / 20) as f64 / 19.0, (k % 20) as f64 / 19.0) + Vector3::x() * 0.2;
+//! let points: Vec<_> = (0..400).map(displaced).collect();
+//!
+//! let field = SurfaceField::new(&model)?;
+//! let report = register(&field, &Source::new(&points), &Pose::identity(), &RegisterOptions::default())?;
+//! assert!(report.is_converged() && report.rms < 1e-12);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! Where no pose is known to begin with, [`start`] finds candidates from any position; [`views`] registers many scans of one
 //! object to each other, all at once.
 

@@ -151,8 +151,8 @@ pub(crate) fn render(registrations: &[Registration]) -> String {
             for error in &row.errors {
                 // The last digits of errors near rounding depend on the order of sums.
                 let digits = if *error < 1e-8 { 1 } else { 5 };
-                if *error < 1e-14 {
-                    text.push_str(" < 1e-14 |");
+                if *error < 1e-12 {
+                    text.push_str(" < 1e-12 |");
                 } else {
                     let _ = write!(text, " {error:.digits$e} |");
                 }

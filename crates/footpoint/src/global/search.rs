@@ -88,6 +88,7 @@ impl<const K: usize> PatchSet<K> {
         }
         if !prove {
             self.second_seeds(x, &mut best, gap, scratch);
+            self.search_poles(x, &mut best, gap, scratch);
             self.settle(x, &mut best);
             return Found { foot: best, bound_sq: 0.0 };
         }
@@ -107,6 +108,22 @@ impl<const K: usize> PatchSet<K> {
         self.settle(x, &mut best);
         self.polish(x, &mut best, scratch);
         Found { foot: best, bound_sq: bound_sq.min(best.distance_sq) }
+    }
+
+    /// Patches with a collapsed edge are searched as for a proof: next to a pole, where all parameter lines meet, no
+    /// sample leads to the foot.
+    #[inline(always)]
+    fn search_poles(&self, x: &Vector3<f64>, best: &mut Foot, gap: &Gap, scratch: &mut Scratch<K>) {
+        let mut next = 0;
+        while next < scratch.candidates.len() {
+            let candidate = scratch.candidates[next];
+            next += 1;
+            if self.patches[candidate.patch].pole.is_some()
+                && candidate.box_sq < gap.limit_sq(best.distance_sq)
+            {
+                self.prove(x, candidate.patch, best, gap, scratch);
+            }
+        }
     }
 
     /// Follows the distance downhill from a candidate.

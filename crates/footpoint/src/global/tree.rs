@@ -1,4 +1,4 @@
-//! A tree of axis-aligned boxes with eight children per node, tested eight at a time.
+//! A tree of axis-aligned boxes with eight children per node, tested eight at a time (best first as in \[JC98\]).
 
 use super::lanes::{Lanes, WIDTH};
 
