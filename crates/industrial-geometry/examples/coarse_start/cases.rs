@@ -1,7 +1,5 @@
 //! Clouds and models to be registered.
 
-#![expect(clippy::cast_possible_truncation, reason = "numbers of points, far from the limits")]
-
 use industrial_geometry::io::{self, ReadOptions, Shape};
 use industrial_geometry::mesh::nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use industrial_geometry::nurbs::ParametricSurface;
