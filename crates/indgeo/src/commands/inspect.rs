@@ -82,11 +82,8 @@ Examples:
   indgeo inspect part.json scan.ply -t 0.05 --along 0,0,1 --max-distance 2";
 
 fn parse_direction(text: &str) -> Result<[f64; 3], String> {
-    let parts: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
-    let direction: Option<[f64; 3]> = parts.ok().and_then(|parts| parts.try_into().ok());
-    let is_one =
-        |d: &[f64; 3]| d.iter().all(|value| value.is_finite()) && d.iter().any(|value| *value != 0.0);
-    direction.filter(is_one).ok_or_else(|| "a direction is three numbers, not all zero: X,Y,Z".to_owned())
+    let direction = super::parse_triple(text).filter(|d| d.iter().any(|value| *value != 0.0));
+    direction.ok_or_else(|| "a direction is three numbers, not all zero: X,Y,Z".to_owned())
 }
 
 fn parse_along(text: &str) -> Result<Along, String> {

@@ -29,6 +29,13 @@ impl Outcome {
     }
 }
 
+/// Three finite numbers separated by commas.
+fn parse_triple(text: &str) -> Option<[f64; 3]> {
+    let parts: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
+    let triple: [f64; 3] = parts.ok()?.try_into().ok()?;
+    triple.iter().all(|value| value.is_finite()).then_some(triple)
+}
+
 /// Runs a command and fills in its report.
 pub(crate) fn run(command: &Command, common: &Common, report: &mut Report) -> Result<Outcome, Error> {
     match command {

@@ -122,10 +122,7 @@ Examples:
   indgeo inspect part.json scan.ply --transform pose.json --tolerance 0.05 --report report.html";
 
 fn parse_point(text: &str) -> Result<[f64; 3], String> {
-    let parts: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
-    let point: Option<[f64; 3]> = parts.ok().and_then(|parts| parts.try_into().ok());
-    let point = point.filter(|point| point.iter().all(|value| value.is_finite()));
-    point.ok_or_else(|| "a point is three numbers: X,Y,Z".to_owned())
+    super::parse_triple(text).ok_or_else(|| "a point is three numbers: X,Y,Z".to_owned())
 }
 
 impl Args {
