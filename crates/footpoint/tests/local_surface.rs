@@ -41,6 +41,56 @@ fn is_local_minimum(surface: &dyn ParametricSurface, x: &Vector3<f64>, [u, v]: [
     })
 }
 
+/// A step used to land 1e-33 before the bound of `u`, where no further one was long enough.
+#[test]
+fn a_bound_missed_by_rounding_counts_as_reached() {
+    let heights = [
+        0.0,
+        0.016664632078468793,
+        -0.2995464725267222,
+        -0.8388688113465228,
+        0.6595526985146105,
+        0.0,
+        0.4061095038828638,
+        -0.3160280005376535,
+        -0.3385772679539415,
+        0.03835675020190689,
+        0.0,
+        -0.05731961605760281,
+        0.8695776279813062,
+        0.4279686150607804,
+        -0.13794502584514207,
+        0.0,
+        0.44167214255100073,
+        0.07766047593745576,
+        0.1746009320937,
+        -0.30712265053454646,
+        0.0,
+        0.27497644943626554,
+        -0.14887656383986295,
+        -0.7174221423571633,
+        -0.9142948691803084,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+    ];
+    let surface = bumpy_surface(&heights);
+    let x = Vector3::new(-1.0839651294580341, 4.3110926551971716, -0.3601546530774998);
+    for method in Method::ALL {
+        for u in [0.4387937079502482, 1e-33] {
+            let foot = project_surface(
+                &surface,
+                &x,
+                [u, 0.5869930650092509],
+                &options(method).with_max_iterations(1000),
+            );
+            assert_eq!((foot.status, foot.location), (Status::OnBoundary, Location::Edge), "{method:?}: {foot}");
+        }
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(96) })]
 

@@ -94,7 +94,8 @@ impl Axis {
         let upper = self.kinks.get(below).copied();
         if !self.wraps {
             let (low, high) = (lower.unwrap_or(start), upper.unwrap_or(self.domain.end()));
-            return (Cell { low, high, open: [lower.is_some(), upper.is_some()], nudge }, t);
+            let cell = Cell { low, high, open: [lower.is_some(), upper.is_some()], nudge };
+            return (cell, cell.clamp(t));
         }
         let (low, high) = match (lower, upper, self.kinks.first(), self.kinks.last()) {
             (Some(low), Some(high), ..) => (low, high),
@@ -143,8 +144,16 @@ impl Axis {
 }
 
 impl Cell {
+    /// `t` brought into the cell; next to an end it is the end. A bound that is missed by less than the
+    /// rounding of a parameter would never count as reached, and each step towards it would be cut to nothing.
     pub(crate) fn clamp(&self, t: f64) -> f64 {
-        t.max(self.low).min(self.high)
+        if t - self.low <= self.nudge {
+            self.low
+        } else if self.high - t <= self.nudge {
+            self.high
+        } else {
+            t
+        }
     }
 
     /// Whether `t` is at the lower or the upper end.
