@@ -12,12 +12,14 @@
 //! # Ok::<(), industrial_geometry::nurbs::Error>(())
 //! ```
 
+pub use cloud_param;
 pub use distance_field;
 pub use footpoint;
 pub use inspection;
 pub use mesh_core as mesh;
 pub use nurbs_core as nurbs;
 pub use pc_io as io;
+pub use sdm_fit as fit;
 pub use sdm_register as register;
 
 /// The example in README.md, compiled and run as a test.
