@@ -222,12 +222,7 @@ fn open(x: Lanes) -> Lanes {
 /// The operations of [`descend`](Geometry::descend), in the same order, for the usual case: the Hessian is positive
 /// definite and its step stays inside the patch.
 #[inline(always)]
-fn round<const N: usize, const C: usize>(
-    net: &[f64],
-    origin: [f64; 2],
-    places: &Places,
-    size: f64,
-) -> Round {
+fn round<const N: usize, const C: usize>(net: &[f64], origin: [f64; 2], places: &Places, size: f64) -> Round {
     let [s, t] = places.local;
     let [o, p] = origin.map(Lanes::splat);
     let jets = power::lane_jets(&power::jet::<N, Wide<C>>(net, s - o, t - p));
