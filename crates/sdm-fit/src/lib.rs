@@ -4,6 +4,7 @@
 //! distance, their sum and a smoothing energy are minimised in the control points, and again.
 
 mod error;
+mod parallel;
 pub mod primitive;
 
 pub use error::Error;
