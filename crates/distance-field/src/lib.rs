@@ -13,6 +13,7 @@
 //! | line, circle | [`AnalyticCurveField`] | closed form | as for curves |
 //! | triangle meshes | [`MeshField`] | exact | 2 ([`MeshGeometry::Smooth`]), 1 and 0 on boundaries |
 //! | dense clouds | [`CloudField`] | on quadrics at the points | 2 |
+//! | level sets on grids | [`LevelSetField`] | exact for the spline through the values | 2 in space, 1 in the plane |
 //! | any of these | [`D2Tree`] | none: precomputed models | as in the field it is made of |
 //!
 //! All of them at once, as a registration does:
@@ -54,6 +55,8 @@ mod d2_tree;
 mod error;
 mod field;
 mod frame;
+mod kernel;
+mod level_set;
 mod local_geometry;
 mod mesh;
 mod osculating;
@@ -61,6 +64,7 @@ mod parallel;
 mod pole;
 mod quadratic;
 mod search;
+mod spread;
 mod surface;
 mod term;
 
@@ -71,8 +75,11 @@ pub use d2_tree::{D2Tree, D2TreeOptions, D2TreeReport};
 pub use error::Error;
 pub use field::DistanceField;
 pub use frame::PrincipalFrame;
+pub use kernel::Kernel;
+pub use level_set::{Grid, LevelSetField};
 pub use mesh::{MeshField, MeshGeometry, MeshOptions};
 pub use quadratic::QuadraticModel;
 pub use search::{Hint, Search};
+pub use spread::{Spread, quantile_in_place};
 pub use surface::SurfaceField;
 pub use term::ErrorTerm;
