@@ -2,7 +2,7 @@
 
 use crate::iterate::Outcome;
 use crate::source::Prepared;
-use crate::weights::Spread;
+use distance_field::Spread;
 
 /// Distances in standard deviations of the noise at which a point no longer is one of the inliers.
 pub(crate) const CUT: f64 = 4.685;
