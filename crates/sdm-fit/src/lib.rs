@@ -35,6 +35,7 @@ mod report;
 mod shape;
 mod smoothing;
 mod status;
+mod surface;
 mod target;
 mod weights;
 
@@ -46,4 +47,8 @@ pub use options::{FitOptions, FootpointPolicy, Robust, Smoothing, StepControl};
 pub use report::{FitReport, Fitted, StepRecord};
 pub use shape::{ActiveShape, CellGram, CellTable};
 pub use status::Status;
+pub use surface::{
+    ActiveSurface, BaseShape, Folds, InitialSurface, NetSize, SurfaceFit, SurfaceOptions, SurfaceReport,
+    fit_cloud, fit_cloud_with_progress, fit_surface, fit_surface_with_progress, initial_surface,
+};
 pub use target::Target;
