@@ -21,16 +21,28 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for smoothing in [Smoothing::CONTINUATION, Smoothing::default()] {
         for term in [ErrorTerm::Point, ErrorTerm::Tangent, ErrorTerm::SquaredDistance] {
             let mut options = SurfaceOptions::default();
-            options.fit = options.fit.with_term(term).with_smoothing(smoothing).with_max_iterations(iterations);
+            options.fit =
+                options.fit.with_term(term).with_smoothing(smoothing).with_max_iterations(iterations);
             let clock = Instant::now();
             let found = fit_surface(&points, start.surface.clone(), &options)?;
             let seconds = clock.elapsed().as_secs_f64();
             let steps = found.report.fit.history.len().max(1) as f64;
-            println!("{term:?} {}; λ {:.1e}; {:.3} s per iteration", found.report, found.report.fit.lambda, seconds / steps);
+            println!(
+                "{term:?} {}; λ {:.1e}; {:.3} s per iteration",
+                found.report,
+                found.report.fit.lambda,
+                seconds / steps
+            );
             for step in found.report.fit.history.iter().filter(|s| s.iteration <= 3 || s.iteration % 5 == 0) {
                 println!(
                     "    {:3} λ {:.1e} rms {:.5} max {:.4} moved {:.1e} factor {:.3} feet found {}",
-                    step.iteration, step.lambda, step.rms, step.max, step.displacement, step.factor, step.evaluations
+                    step.iteration,
+                    step.lambda,
+                    step.rms,
+                    step.max,
+                    step.displacement,
+                    step.factor,
+                    step.evaluations
                 );
             }
         }
