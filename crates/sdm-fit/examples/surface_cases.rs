@@ -18,8 +18,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let size = NetSize { controls, ..NetSize::default() };
     let start = initial_surface(&points, BaseShape::Auto, size)?;
     println!("start over a {} in {:.2} s", start.base, clock.elapsed().as_secs_f64());
-    for smoothing in [Smoothing::CONTINUATION, Smoothing::default()] {
-        for term in [ErrorTerm::Point, ErrorTerm::Tangent, ErrorTerm::SquaredDistance] {
+    let quick = arguments.len() > 4;
+    for smoothing in if quick { vec![Smoothing::CONTINUATION] } else { vec![Smoothing::CONTINUATION, Smoothing::default()] } {
+        for term in if quick { vec![ErrorTerm::SquaredDistance] } else { vec![ErrorTerm::Point, ErrorTerm::Tangent, ErrorTerm::SquaredDistance] } {
             let mut options = SurfaceOptions::default();
             options.fit =
                 options.fit.with_term(term).with_smoothing(smoothing).with_max_iterations(iterations);

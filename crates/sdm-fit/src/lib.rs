@@ -26,6 +26,7 @@ mod assemble;
 mod constraint;
 mod curve;
 mod error;
+mod fairing;
 mod iterate;
 mod layout;
 mod options;

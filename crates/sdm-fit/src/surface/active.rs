@@ -12,6 +12,12 @@ use nurbs_core::{
 /// Share of the size of the net within which the control points of an edge count as one point.
 const ONE_POINT: f64 = 1e-12;
 
+/// Share of its first area below which a cell is kept from becoming narrower, and the least one that is told apart.
+const NARROW: f64 = 0.3;
+const COLLAPSED: f64 = 0.01;
+/// Places per direction at which the area of a cell is measured.
+const PLACES: usize = 3;
+
 /// A polynomial B-spline surface whose control points are unknown, open or closed (periodic knots) in each direction
 /// (\[P05, sec. 4.2\]).
 ///
@@ -27,6 +33,8 @@ pub struct ActiveSurface {
     spans: [Vec<usize>; 2],
     /// Index of each knot span among those that are not empty.
     place_of_span: [Vec<usize>; 2],
+    /// Area (by the unit of the parameters) of each cell at the start.
+    references: Vec<f64>,
 }
 
 impl ActiveSurface {
@@ -61,7 +69,10 @@ impl ActiveSurface {
             }
         }
         let cells = CellTable::new(table);
-        Ok(Self { surface, coefficients, unknowns, cells, spans, place_of_span })
+        let areas = areas(&surface, &spans);
+        let mean = areas.iter().map(|cell| cell.mean).sum::<f64>() / areas.len().max(1) as f64;
+        let references = areas.iter().map(|cell| cell.mean.max(0.1 * mean)).collect();
+        Ok(Self { surface, coefficients, unknowns, cells, spans, place_of_span, references })
     }
 
     /// The surface.
@@ -131,6 +142,34 @@ impl ActiveSurface {
     }
 }
 
+/// Normal and area of a cell.
+struct CellArea {
+    normal: Vector3<f64>,
+    /// Mean of `|s_u × s_v|`.
+    mean: f64,
+    /// Least `⟨s_u × s_v, n⟩`; negative where the cell is folded.
+    least: f64,
+}
+
+fn areas(surface: &BsplineSurface, spans: &[Vec<usize>; 2]) -> Vec<CellArea> {
+    let columns = spans[1].len();
+    crate::parallel::map(spans[0].len() * columns, |cell| {
+        let u = surface.knots_u().span_interval(spans[0][cell / columns]);
+        let v = surface.knots_v().span_interval(spans[1][cell % columns]);
+        let share = |k: usize| (k as f64 + 0.5) / PLACES as f64;
+        let mut vectors = [Vector3::zeros(); PLACES * PLACES];
+        for (k, vector) in vectors.iter_mut().enumerate() {
+            let jet = surface.jet(u.lerp(share(k / PLACES)), v.lerp(share(k % PLACES)));
+            *vector = jet.du.cross(&jet.dv);
+        }
+        let sum: Vector3<f64> = vectors.iter().sum();
+        let normal = sum.try_normalize(0.0).unwrap_or_else(Vector3::zeros);
+        let mean = vectors.iter().map(|a| a.norm()).sum::<f64>() / vectors.len() as f64;
+        let least = vectors.iter().map(|a| a.dot(&normal)).fold(f64::INFINITY, f64::min);
+        CellArea { normal, mean, least }
+    })
+}
+
 /// The coefficient of each control point, and their number: rows that repeat in closed directions share theirs, and so do
 /// the points of an edge that is one point.
 fn unknowns_of(surface: &BsplineSurface) -> (Vec<usize>, usize) {
@@ -138,9 +177,8 @@ fn unknowns_of(surface: &BsplineSurface) -> (Vec<usize>, usize) {
     let (d_u, d_v) = (surface.knots_u().distinct_count(), surface.knots_v().distinct_count());
     let net = surface.control_points();
     let size = net.iter().map(|p| (p - net[0]).amax()).fold(0.0, f64::max);
-    let one_point = |edge: Vec<usize>| {
-        edge.iter().all(|&k| (net[k] - net[edge[0]]).amax() <= ONE_POINT * size)
-    };
+    let one_point =
+        |edge: Vec<usize>| edge.iter().all(|&k| (net[k] - net[edge[0]]).amax() <= ONE_POINT * size);
     let (open_u, open_v) = (!surface.knots_u().is_periodic(), !surface.knots_v().is_periodic());
     let pole_u = [0, n_u - 1].map(|i| open_u && one_point((0..n_v).map(|j| i * n_v + j).collect()));
     let pole_v = [0, n_v - 1].map(|j| open_v && one_point((0..n_u).map(|i| i * n_v + j).collect()));
@@ -250,6 +288,15 @@ impl ActiveShape<3> for ActiveSurface {
             }
         }
         out
+    }
+
+    fn tangent_planes(&self) -> Vec<(Vector3<f64>, f64)> {
+        let now = areas(&self.surface, &self.spans);
+        let factor = |(cell, reference): (&CellArea, &f64)| {
+            let share = (cell.least / reference).max(COLLAPSED);
+            (cell.normal, if share < NARROW { (NARROW / share).powi(2) } else { 1.0 })
+        };
+        now.iter().zip(&self.references).map(factor).collect()
     }
 
     fn frames(

@@ -6,10 +6,20 @@ use super::refine::refined;
 use super::{ActiveSurface, InitialSurface};
 use crate::iterate::{Progress, fit_with_progress, no_progress};
 use crate::shape::ActiveShape;
-use crate::{Constraints, Error, FitOptions, FitReport, Status, Target};
+use crate::{Constraints, Error, FitOptions, FitReport, Fitted, Smoothing, Status, StepRecord, Target};
 use distance_field::PrincipalFrame;
 use nalgebra::Vector3;
 use nurbs_core::BsplineSurface;
+
+/// Factor of the fairing by default: the least that leaves no folds in noisy scans.
+const FAIRING: f64 = 3e-5;
+
+/// Coefficients up to which the data are asked for the smoothing, and the factor of the energy above.
+const ASKED: usize = 2500;
+const TRIFLE: f64 = 1e-6;
+/// How often a folded surface is faired more, and the steps each time.
+const UNFOLDINGS: usize = 6;
+const UNFOLDING_STEPS: usize = 8;
 
 /// How a cloud is made a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,7 +50,7 @@ impl Default for SurfaceOptions {
             share: 1.0,
             max_controls: 10_000,
             fixed_boundary: false,
-            fit: FitOptions::default().with_max_iterations(30).with_tolerance(1e-6),
+            fit: FitOptions::default().with_max_iterations(30).with_tolerance(1e-6).with_cost_tolerance(2e-3).with_fairing(FAIRING),
         }
     }
 }
@@ -212,10 +222,12 @@ pub fn fit_surface_with_progress(
                 constraints = constraints.with_held(k, shape.coefficients()[k]);
             }
         }
-        let mut fitted = fit_with_progress(shape, target, &constraints, &options.fit, progress)?;
+        let fit = for_size(&options.fit, shape.coefficients().len());
+        let mut fitted = fit_with_progress(shape, target, &constraints, &fit, progress)?;
         runs += 1;
         initial_rms = initial_rms.or(Some(fitted.report.initial_rms));
         history.append(&mut fitted.report.history);
+        let folds = unfold(&mut fitted, &mut history, target, &constraints, &fit, progress)?;
         surface = fitted.shape.into_surface();
         let share_within = options.abs_tolerance.map(|tolerance| share_within(&fitted.frames, tolerance));
         let within = share_within.is_none_or(|share| share >= options.share);
@@ -228,11 +240,12 @@ pub fn fit_surface_with_progress(
             surface = finer;
             continue;
         }
+        (1..).zip(&mut history).for_each(|(number, step)| step.iteration = number);
         fitted.report.history = history;
         fitted.report.initial_rms = initial_rms.unwrap_or(fitted.report.rms);
         let controls = [surface.knots_u().distinct_count(), surface.knots_v().distinct_count()];
         let report = SurfaceReport {
-            folds: Folds::of(&surface),
+            folds,
             fit: fitted.report,
             base: None,
             controls,
@@ -245,6 +258,54 @@ pub fn fit_surface_with_progress(
         frames.iter_mut().for_each(|frame| frame.foot += middle);
         return Ok(SurfaceFit { surface: surface.translated(&middle)?, report, frames });
     }
+}
+
+/// The options for a number of coefficients: of large nets the data are not asked for the smoothing, since that takes longer
+/// than the fit; their energy falls to a trifle that only bridges gaps.
+fn for_size(options: &FitOptions, coefficients: usize) -> FitOptions {
+    match options.smoothing {
+        Smoothing::Automatic { start, .. } if coefficients > ASKED => {
+            options.with_smoothing(Smoothing::Continuation { start, factor: 0.25, floor: TRIFLE })
+        }
+        _ => *options,
+    }
+}
+
+/// Goes on with more fairing while cells are folded, a few times; the folds that stay.
+fn unfold(
+    fitted: &mut Fitted<ActiveSurface, 3>,
+    history: &mut Vec<StepRecord>,
+    target: Target<'_, 3>,
+    constraints: &Constraints<3>,
+    options: &FitOptions,
+    progress: Progress<'_>,
+) -> Result<Folds, Error> {
+    let mut folds = Folds::of(fitted.shape.surface());
+    let mut fairing = options.fairing;
+    for _ in 0..UNFOLDINGS {
+        if folds.count() == 0 || fairing <= 0.0 || fitted.report.status == Status::Cancelled {
+            break;
+        }
+        fairing *= 3.0;
+        let lambda = fitted.report.lambda;
+        let more = options
+            .with_fairing(fairing)
+            .with_smoothing(Smoothing::Fixed { lambda })
+            .with_max_iterations(UNFOLDING_STEPS);
+        let status = fitted.report.status;
+        let mut next = fit_with_progress(fitted.shape.clone(), target, constraints, &more, progress)?;
+        history.append(&mut next.report.history);
+        let left = Folds::of(next.shape.surface());
+        if left.count() >= folds.count() && next.report.status != Status::Cancelled {
+            continue;
+        }
+        folds = left;
+        *fitted = next;
+        if fitted.report.status == Status::MaxIterations {
+            fitted.report.status = status;
+        }
+    }
+    Ok(folds)
 }
 
 fn share_within(frames: &[PrincipalFrame<3>], tolerance: f64) -> f64 {

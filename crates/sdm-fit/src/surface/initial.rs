@@ -122,7 +122,7 @@ pub(super) fn approximate(
 ) -> Result<BsplineSurface, Error> {
     let knots = knots(base.shape, size)?;
     let options = SurfaceFitOptions::default().with_regularization(STIFFNESS);
-    let surface = BsplineSurface::approximate(knots, points, &base.parameters, &options)?.shape;
+    let surface = BsplineSurface::approximate(knots, &base.parameters, points, &options)?.shape;
     if base.shape != BaseShape::Sphere {
         return Ok(surface);
     }
