@@ -41,8 +41,7 @@ const LEAST: f64 = 1e-13;
 const LIFT: f64 = 10.0;
 /// A shape this much larger than the first one and the data has run away.
 const AWAY: f64 = 1e3;
-/// Relative change of the cost that is none, and the iterations in a row after which the fit ends.
-const NO_CHANGE: f64 = 1e-9;
+/// Iterations in a row without a change of the cost after which the fit ends.
 const PATIENCE: usize = 3;
 
 /// Fits a shape to data points or a model from where it is (\[P05, sec. 4\]).
@@ -234,7 +233,7 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
         if self.options.abs_goal.is_some_and(|goal| rms <= goal) {
             return Ok(Some(Status::Converged));
         }
-        let still = (cost - trial.cost).abs() <= NO_CHANGE * cost.abs();
+        let still = (cost - trial.cost).abs() <= self.options.cost_tolerance * cost.abs();
         self.quiet = if still { self.quiet + 1 } else { 0 };
         let full = trial.factor == 1.0 && self.damping == 0.0;
         let settled = self.schedule.is_settled();

@@ -37,7 +37,8 @@ pub struct SurfaceOptions {
     pub max_controls: usize,
     /// Whether the control points on open edges of the start stay where they are; default not.
     pub fixed_boundary: bool,
-    /// The loop.
+    /// The loop; the default takes second derivatives as energy, fairs parameter lines, and stops after 30 iterations or three
+    /// that change the mean squared distance by less than 0.2 %.
     pub fit: FitOptions,
 }
 
@@ -50,7 +51,12 @@ impl Default for SurfaceOptions {
             share: 1.0,
             max_controls: 10_000,
             fixed_boundary: false,
-            fit: FitOptions::default().with_max_iterations(30).with_tolerance(1e-6).with_cost_tolerance(2e-3).with_fairing(FAIRING),
+            fit: FitOptions::default()
+                .with_energy([0.0, 1.0, 0.0])
+                .with_max_iterations(30)
+                .with_tolerance(1e-6)
+                .with_cost_tolerance(2e-3)
+                .with_fairing(FAIRING),
         }
     }
 }
