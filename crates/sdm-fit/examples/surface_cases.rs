@@ -1,6 +1,8 @@
 //! Surfaces fitted to a cloud by all error terms, side by side: distances, folds and seconds per iteration.
 //!
-//! `cargo run --release -p sdm-fit --example surface_cases -- CLOUD.xyz [CONTROLS_U CONTROLS_V [ITERATIONS]]`
+//! `cargo run --release -p sdm-fit --example surface_cases -- CLOUD.xyz [CONTROLS_U CONTROLS_V [ITERATIONS [quick]]]`
+//!
+//! With `quick`, squared distance minimisation only.
 
 use distance_field::ErrorTerm;
 use nalgebra::Vector3;
@@ -18,9 +20,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let size = NetSize { controls, ..NetSize::default() };
     let start = initial_surface(&points, BaseShape::Auto, size)?;
     println!("start over a {} in {:.2} s", start.base, clock.elapsed().as_secs_f64());
-    let quick = arguments.len() > 4;
-    for smoothing in if quick { vec![Smoothing::CONTINUATION] } else { vec![Smoothing::CONTINUATION, Smoothing::default()] } {
-        for term in if quick { vec![ErrorTerm::SquaredDistance] } else { vec![ErrorTerm::Point, ErrorTerm::Tangent, ErrorTerm::SquaredDistance] } {
+    let terms = [ErrorTerm::SquaredDistance, ErrorTerm::Tangent, ErrorTerm::Point];
+    let terms = if arguments.len() > 4 { &terms[..1] } else { &terms[..] };
+    for smoothing in [Smoothing::default(), Smoothing::CONTINUATION] {
+        for &term in terms {
             let mut options = SurfaceOptions::default();
             options.fit =
                 options.fit.with_term(term).with_smoothing(smoothing).with_max_iterations(iterations);
