@@ -26,10 +26,32 @@ fn main() -> Result<(), Box<dyn Error>> {
     let found = parameterise(&points, &ParameteriseOptions::default().with_shape(shape))?;
     let seconds = began.elapsed().as_secs_f64();
     let r = &found.report;
-    println!("{r}\n  {:.2} s: {:?}", seconds, r.times.iter().map(|t| (t.stage.name(), (t.seconds * 1e3).round())).collect::<Vec<_>>());
+    println!(
+        "{r}\n  {:.2} s: {:?}",
+        seconds,
+        r.times.iter().map(|t| (t.stage.name(), (t.seconds * 1e3).round())).collect::<Vec<_>>()
+    );
     println!("  shape: {:?}", r.shape);
-    println!("  axis {:?} {:?} coverage {:.3} normals along {:.3}", r.axis.origin, r.axis.direction.as_slice(), r.axis.coverage.mean(), r.axis.normals_along);
-    println!("  views {} seen {:.4} layers {:?} radial {} strays {} beyond {} unique {:.4} unsupported {:.4} spacing {:.4} max {:.4}", r.views, r.seen, r.layers, r.radial_layers, r.strays, r.beyond_ends, r.unique, r.unsupported, r.spacing, r.max);
+    println!(
+        "  axis {:?} {:?} coverage {:.3} normals along {:.3}",
+        r.axis.origin,
+        r.axis.direction.as_slice(),
+        r.axis.coverage.mean(),
+        r.axis.normals_along
+    );
+    println!(
+        "  views {} seen {:.4} layers {:?} radial {} strays {} beyond {} unique {:.4} unsupported {:.4} spacing {:.4} max {:.4}",
+        r.views,
+        r.seen,
+        r.layers,
+        r.radial_layers,
+        r.strays,
+        r.beyond_ends,
+        r.unique,
+        r.unsupported,
+        r.spacing,
+        r.max
+    );
     for step in &r.curve_history {
         println!("  curves  rms {:.5} samples {} loops {}", step.rms, step.samples, step.self_loops);
     }
@@ -37,8 +59,16 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("  surface rms {:.5} {:?}", step.rms, step.defects);
     }
     let began = Instant::now();
-    let options = FitOptions { control_points: [number(1), number(2)], corrections: 3, ..FitOptions::default() };
+    let options = FitOptions { control_points: [number(1), number(2)], ..FitOptions::default() };
     let fit = fit_parameters(&points, &found.base, &found.feet, &found.counts, &options)?;
-    println!("  fit {:?}: rms {:?} max {:.4}, {} points, {:.2} s, {:?}", options.control_points, fit.history, fit.max, fit.used, began.elapsed().as_secs_f64(), SurfaceDefects::of(&fit.surface, None));
+    println!(
+        "  fit {:?}: rms {:?} max {:.4}, {} points, {:.2} s, {:?}",
+        options.control_points,
+        fit.history,
+        fit.max,
+        fit.used,
+        began.elapsed().as_secs_f64(),
+        SurfaceDefects::of(&fit.surface, None)
+    );
     Ok(())
 }

@@ -27,7 +27,11 @@ pub(crate) fn components(points: &[Vector3<f64>], reach: f64) -> (Vec<usize>, Ve
         while let Some(at) = stack.pop() {
             size += cells[&at].len();
             for k in 0..27i64 {
-                let near = [at[0].saturating_add(k % 3 - 1), at[1].saturating_add(k / 3 % 3 - 1), at[2].saturating_add(k / 9 - 1)];
+                let near = [
+                    at[0].saturating_add(k % 3 - 1),
+                    at[1].saturating_add(k / 3 % 3 - 1),
+                    at[2].saturating_add(k / 9 - 1),
+                ];
                 if let Some(members) = cells.get(&near).filter(|m| part[m[0]] == usize::MAX) {
                     for &i in members {
                         part[i] = number;

@@ -54,22 +54,28 @@ impl SurfaceDefects {
         let (n_u, n_v) = (2 * knots_u.spans().count(), 2 * knots_v.spans().count());
         let [u, v] = surface.domain();
         let jets = crate::parallel::map(n_v + 1, |j| {
-            (0..=n_u).map(|i| surface.jet(u.lerp(i as f64 / n_u as f64), v.lerp(j as f64 / n_v as f64))).collect::<Vec<_>>()
+            (0..=n_u)
+                .map(|i| surface.jet(u.lerp(i as f64 / n_u as f64), v.lerp(j as f64 / n_v as f64)))
+                .collect::<Vec<_>>()
         });
         // At a pole normals vanish and their directions mean nothing.
-        let largest = jets.iter().flatten().map(|jet| jet.normal_direction().norm_squared()).fold(0.0, f64::max);
+        let largest =
+            jets.iter().flatten().map(|jet| jet.normal_direction().norm_squared()).fold(0.0, f64::max);
         let mut found = Self::default();
         for rows in jets.windows(2) {
             for i in 0..n_u {
-                let normals = [&rows[0][i], &rows[0][i + 1], &rows[1][i + 1], &rows[1][i]].map(|jet| jet.normal_direction());
+                let normals = [&rows[0][i], &rows[0][i + 1], &rows[1][i + 1], &rows[1][i]]
+                    .map(|jet| jet.normal_direction());
                 let folded = (0..4).any(|k| normals[k].dot(&normals[(k + 1) % 4]) < -1e-12 * largest);
                 found.crossovers += usize::from(folded);
             }
         }
         if let (Some([a, b, _]), true) = (axis, knots_u.is_periodic()) {
             let loops = crate::parallel::map(n_v + 1, |j| {
-                let polygon: Vec<Vector2<f64>> =
-                    jets[j][..n_u].iter().map(|jet| Vector2::new(jet.point.dot(a), jet.point.dot(b))).collect();
+                let polygon: Vec<Vector2<f64>> = jets[j][..n_u]
+                    .iter()
+                    .map(|jet| Vector2::new(jet.point.dot(a), jet.point.dot(b)))
+                    .collect();
                 self_loops(&polygon)
             });
             found.self_loops = loops.iter().sum();
@@ -97,7 +103,7 @@ mod tests {
         assert_eq!(self_loops(&figure(&|t| Vector2::new(t.cos(), t.sin()))), 0);
         assert_eq!(self_loops(&figure(&|t| Vector2::new((t + 0.01).sin(), (2.0 * t + 0.02).sin()))), 1);
         // A circle with three small loops.
-        assert_eq!(self_loops(&figure(&|t| Vector2::new(t.cos(), t.sin()) * (1.0 - 1.6 * (3.0 * t).cos()))) > 0, true);
+        assert!(self_loops(&figure(&|t| Vector2::new(t.cos(), t.sin()) * (1.0 - 1.6 * (3.0 * t).cos()))) > 0);
         assert_eq!(self_loops(&[]), 0);
     }
 }

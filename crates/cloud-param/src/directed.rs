@@ -144,6 +144,10 @@ pub(crate) fn project(
     let others = (cloud.points().len() - found) as f64;
     // |t_all − t| ≤ Σ a (r + |t|) / Σ_near a; a (r + |t|) falls with r from the last neighbour on, but for eq. (16).
     let reach = if options.weight == DirectedWeight::Axis { cloud.reach(place) / h } else { farthest };
-    let bound = if found == cloud.points().len() { 0.0 } else { others * weight(farthest * farthest, 0.0) * (reach + t.abs()) / total };
+    let bound = if found == cloud.points().len() {
+        0.0
+    } else {
+        others * weight(farthest * farthest, 0.0) * (reach + t.abs()) / total
+    };
     DirectedFoot { point: place + n * (t * h), offset: t * h, bound: bound * h }
 }

@@ -21,7 +21,11 @@ impl AxisFrame {
     pub fn new(origin: Vector3<f64>, direction: &Vector3<f64>) -> Result<Self, Error> {
         let unit = direction.try_normalize(0.0).filter(|d| d.iter().all(|c| c.is_finite()));
         let Some(along) = unit else {
-            return Err(Error::Option { name: "axis", value: direction.norm(), allowed: "a direction of positive length" });
+            return Err(Error::Option {
+                name: "axis",
+                value: direction.norm(),
+                allowed: "a direction of positive length",
+            });
         };
         let first = Vector3::ith(along.iamin(), 1.0);
         let second = along.cross(&first).normalize();

@@ -46,6 +46,8 @@ pub struct ShapeDecision {
 const FLAT: f64 = 1.0;
 /// Share of directions around the axis that a cylinder covers.
 const AROUND: f64 = 0.85;
+/// Widest gap in these directions, as a share of a whole turn.
+const GAP: f64 = 0.12;
 /// Density of points on the ends of a cylinder, as a share of that on its side, above which it is closed.
 const CAPPED: f64 = 0.35;
 /// Share of the directions from the middle that a sphere covers.
@@ -65,18 +67,28 @@ pub fn decide(cloud: &Neighbourhood, axis: &AxisEstimate) -> Result<ShapeDecisio
     let sphere = directions_covered(cloud.points());
     let decision = |shape, why: String| Ok(ShapeDecision { shape, why });
     if flat <= FLAT {
-        return decision(Shape::Plane, format!("a height field over its principal plane leaves {flat:.2} spacings of its points"));
+        return decision(
+            Shape::Plane,
+            format!("a height field over its principal plane leaves {flat:.2} spacings of its points"),
+        );
     }
-    if around >= AROUND && ends < CAPPED {
+    if around >= AROUND && axis.coverage.typical_gap() <= GAP && ends < CAPPED {
         return decision(
             Shape::Cylinder,
-            format!("layers close around an axis ({:.0} % of the directions) and the ends are open ({:.0} % as dense as the side)", 100.0 * around, 100.0 * ends),
+            format!(
+                "layers close around an axis ({:.0} % of the directions) and the ends are open ({:.0} % as dense as the side)",
+                100.0 * around,
+                100.0 * ends
+            ),
         );
     }
     if sphere >= ALL_AROUND {
         return decision(
             Shape::Sphere,
-            format!("points lie in {:.0} % of all directions from the middle, and the ends of the axis are closed", 100.0 * sphere),
+            format!(
+                "points lie in {:.0} % of all directions from the middle, and the ends of the axis are closed",
+                100.0 * sphere
+            ),
         );
     }
     Err(Error::Shape {

@@ -4,6 +4,9 @@ use crate::{ConvexHull, Error};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 
+/// Slope, depth over width, by which a point must lie behind all of its neighbours to be a pit.
+const PIT: f64 = 1.0;
+
 /// Where a cloud is looked at from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
@@ -19,19 +22,19 @@ pub enum View {
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
 pub enum Sharpness {
     /// From the density of the cloud as it is seen: the change of slope within one spacing of the points that is still
-    /// followed. The default is `Automatic(10.0)`.
+    /// followed. The default is `Automatic(12.0)`.
     ///
     /// The radius of the sphere grows with the number of points, as it must: small ones hide the bottom of grooves, large
     /// ones let the eye through the gaps between points.
     Automatic(f64),
-    /// The radius of the sphere as a multiple of the largest distance from the view point ([KTB07]; [MPK] use 10^2.5). For
+    /// The radius of the sphere as a multiple of the largest distance from the view point (\[KTB07\]; \[MPK\] use 10^2.5). For
     /// a view along a direction this stands for a view from as far away as the cloud is large.
     Radius(f64),
 }
 
 impl Default for Sharpness {
     fn default() -> Self {
-        Self::Automatic(10.0)
+        Self::Automatic(12.0)
     }
 }
 
@@ -53,12 +56,15 @@ impl Visibility {
     }
 }
 
-/// The points of a cloud that can be seen, by the convex hull of the cloud reflected in a sphere ([KTB07]).
+/// The points of a cloud that can be seen, by the convex hull of the cloud reflected in a sphere (\[KTB07\]).
 ///
 /// With `x` relative to the view point, `x ↦ x + 2 (R − |x|) x/|x|` turns the cloud inside out; what lies on the hull of
 /// this and the view point is visible. For a view along a direction the limit of this map is used: up to a motion,
 /// `(x, y, depth) ↦ (x, y, depth + K (x² + y²)/2)`, where the visible points are those of the lower hull and `K` is
 /// `(2R − r)/r²` for a point at distance `r`.
+///
+/// Points that lie steeply behind all of their neighbours on the hull are seen through gaps between points of the cloud; they
+/// count as hidden, so that a large radius, which follows grooves, lets less through.
 ///
 /// # Errors
 /// [`Error::TooFewPoints`] without a finite point, [`Error::Option`] for a direction, view point or sharpness that is not
@@ -104,7 +110,11 @@ pub fn visible_points(
     Ok(Visibility { visible, radius })
 }
 
-fn from_point(points: &[Vector3<f64>], eye: &Vector3<f64>, sharpness: Sharpness) -> Result<(Vec<u32>, f64), Error> {
+fn from_point(
+    points: &[Vector3<f64>],
+    eye: &Vector3<f64>,
+    sharpness: Sharpness,
+) -> Result<(Vec<u32>, f64), Error> {
     let mut relative: Vec<Vector3<f64>> = points.iter().map(|p| p - eye).collect();
     let farthest = relative.iter().map(Vector3::norm).fold(0.0, f64::max);
     if farthest == 0.0 {
@@ -113,10 +123,14 @@ fn from_point(points: &[Vector3<f64>], eye: &Vector3<f64>, sharpness: Sharpness)
     let radius = match sharpness {
         Sharpness::Radius(factor) => factor.max(1.0) * farthest,
         Sharpness::Automatic(change) => {
-            // Directions as places on the cylinder of the same area: azimuth and height.
+            // Directions as places on the cylinder of the same area: azimuth, from the middle of the cloud, and height.
+            let middle = relative.iter().sum::<Vector3<f64>>() / relative.len() as f64;
+            let ahead = middle.try_normalize(0.0).unwrap_or_else(Vector3::x);
+            let up = ahead.cross(&Vector3::ith(ahead.iamin(), 1.0)).normalize();
+            let left = up.cross(&ahead);
             let map = |p: &Vector3<f64>| {
                 let norm = p.norm().max(f64::MIN_POSITIVE);
-                [p.y.atan2(p.x) / TAU, p.z / norm]
+                [p.dot(&left).atan2(p.dot(&ahead)) / TAU, p.dot(&up) / norm]
             };
             let angle = spacing(&relative.iter().map(map).collect::<Vec<_>>()) * TAU.sqrt();
             let mut distances: Vec<f64> = relative.iter().map(Vector3::norm).collect();
@@ -131,15 +145,47 @@ fn from_point(points: &[Vector3<f64>], eye: &Vector3<f64>, sharpness: Sharpness)
             *p *= (2.0 * radius - norm) / norm;
         }
     }
-    #[expect(clippy::cast_possible_truncation, reason = "the hull refuses more points than 32 bits can number")]
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "the hull refuses more points than 32 bits can number"
+    )]
     let eye = relative.len() as u32;
     relative.push(Vector3::zeros());
-    let mut seen = ConvexHull::new(&relative)?.vertices().to_vec();
-    seen.retain(|&i| i != eye);
+    let hull = ConvexHull::new(&relative)?;
+    let faces = hull.faces().iter().filter(|face| !face.contains(&eye));
+    // Slopes in units of the distance: how much farther from the eye per angle.
+    let rise = |i: u32, j: u32| {
+        let (p, q) = (relative[i as usize], relative[j as usize]);
+        let (a, b) = (2.0 * radius - p.norm(), 2.0 * radius - q.norm());
+        (a - b) / (a.min(b).max(f64::MIN_POSITIVE) * p.normalize().cross(&q.normalize()).norm())
+    };
+    let pits = pits(faces, &rise, relative.len());
+    let mut seen = hull.vertices().to_vec();
+    seen.retain(|&i| i != eye && !pits[i as usize]);
     Ok((seen, radius / farthest))
 }
 
-fn along(points: &[Vector3<f64>], direction: &Vector3<f64>, sharpness: Sharpness) -> Result<(Vec<u32>, f64), Error> {
+/// Vertices that lie deep behind all vertices around them: seen through gaps between points, not through openings.
+fn pits<'a>(
+    faces: impl Iterator<Item = &'a [u32; 3]>,
+    rise: &dyn Fn(u32, u32) -> f64,
+    count: usize,
+) -> Vec<bool> {
+    let mut least = vec![f64::INFINITY; count];
+    for face in faces {
+        for k in 0..3 {
+            let (i, j) = (face[k], face[(k + 1) % 3]);
+            least[i as usize] = least[i as usize].min(rise(i, j));
+        }
+    }
+    least.into_iter().map(|slope| slope > PIT && slope < f64::INFINITY).collect()
+}
+
+fn along(
+    points: &[Vector3<f64>],
+    direction: &Vector3<f64>,
+    sharpness: Sharpness,
+) -> Result<(Vec<u32>, f64), Error> {
     let Some(sight) = direction.try_normalize(0.0) else {
         return Err(Error::Option { name: "view", value: 0.0, allowed: "a direction of positive length" });
     };
@@ -150,7 +196,7 @@ fn along(points: &[Vector3<f64>], direction: &Vector3<f64>, sharpness: Sharpness
     if size == 0.0 {
         return Ok(((0u32..).take(points.len()).collect(), 1.0));
     }
-    let mut lifted: Vec<Vector3<f64>> = points
+    let seen_at: Vec<Vector3<f64>> = points
         .iter()
         .map(|p| p - centre)
         .map(|p| Vector3::new(p.dot(&right), p.dot(&up), p.dot(&sight)) / size)
@@ -158,23 +204,32 @@ fn along(points: &[Vector3<f64>], direction: &Vector3<f64>, sharpness: Sharpness
     let curvature = match sharpness {
         Sharpness::Radius(factor) => 2.0 * factor.max(1.0) - 1.0,
         Sharpness::Automatic(change) => {
-            change / spacing(&lifted.iter().map(|p| [p.x, p.y]).collect::<Vec<_>>())
+            change / spacing(&seen_at.iter().map(|p| [p.x, p.y]).collect::<Vec<_>>())
         }
     };
-    for p in &mut lifted {
-        // The depth is scaled down instead of the rest up, so that coordinates keep their size.
-        p.z = p.z / curvature + 0.5 * (p.x * p.x + p.y * p.y);
-    }
+    // The depth is scaled down instead of the rest up, so that coordinates keep their size.
+    let lift = |p: &Vector3<f64>| Vector3::new(p.x, p.y, p.z / curvature + 0.5 * (p.x * p.x + p.y * p.y));
+    let mut lifted: Vec<Vector3<f64>> = seen_at.iter().map(lift).collect();
     // A point far behind closes the hull, whose lower side is then all of what is not joined to it.
-    #[expect(clippy::cast_possible_truncation, reason = "the hull refuses more points than 32 bits can number")]
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "the hull refuses more points than 32 bits can number"
+    )]
     let behind = lifted.len() as u32;
     lifted.push(Vector3::new(0.0, 0.0, 1e6));
     let hull = ConvexHull::new(&lifted)?;
     let mut seen = hull.vertices().to_vec();
     if hull.dimension() == 3 {
-        seen = hull.faces().iter().filter(|face| !face.contains(&behind)).flatten().copied().collect();
+        let faces = || hull.faces().iter().filter(|face| !face.contains(&behind));
+        let rise = |i: u32, j: u32| {
+            let d = seen_at[i as usize] - seen_at[j as usize];
+            d.z / d.xy().norm()
+        };
+        let pits = pits(faces(), &rise, lifted.len());
+        seen = faces().flatten().copied().collect();
         seen.sort_unstable();
         seen.dedup();
+        seen.retain(|&i| !pits[i as usize]);
     }
     seen.retain(|&i| i != behind);
     Ok((seen, 0.5 * (curvature + 1.0)))

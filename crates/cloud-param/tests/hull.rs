@@ -17,7 +17,8 @@ fn check(points: &[Vector3<f64>], hull: &ConvexHull) {
     for &face in hull.faces() {
         assert!(points.iter().all(|p| !beyond(points, face, p)));
     }
-    let mut edges: Vec<(u32, u32)> = hull.faces().iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]).collect();
+    let mut edges: Vec<(u32, u32)> =
+        hull.faces().iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]).collect();
     edges.sort_unstable();
     assert!(edges.windows(2).all(|w| w[0] != w[1]));
     assert!(edges.iter().all(|&(a, b)| edges.binary_search(&(b, a)).is_ok()));
@@ -40,7 +41,10 @@ fn spheres_balls_and_grids() {
     check(&sphere, &hull);
     assert_eq!(hull.vertices().len(), 2000);
     // Hundreds of points in each face and edge of a cube, each twice.
-    let grid: Vec<_> = (0..2 * 1000).map(|i| i / 2).map(|i| Vector3::new(f64::from(i % 10), f64::from(i / 10 % 10), f64::from(i / 100)) * 0.1).collect();
+    let grid: Vec<_> = (0..2 * 1000)
+        .map(|i| i / 2)
+        .map(|i| Vector3::new(f64::from(i % 10), f64::from(i / 10 % 10), f64::from(i / 100)) * 0.1)
+        .collect();
     let hull = ConvexHull::new(&grid).unwrap();
     check(&grid, &hull);
     assert!((hull.volume(&grid) - 0.729).abs() < 1e-12);

@@ -7,7 +7,12 @@ use proptest::prelude::*;
 
 fn scattered(count: u32, f: impl Fn(f64, f64) -> f64) -> Vec<Vector3<f64>> {
     (0..count)
-        .map(|i| (4.0 * (f64::from(i) * 0.754877666).fract() - 1.0, 2.0 * (f64::from(i) * 0.569840291).fract() + 5.0))
+        .map(|i| {
+            (
+                4.0 * (f64::from(i) * 0.754877666).fract() - 1.0,
+                2.0 * (f64::from(i) * 0.569840291).fract() + 5.0,
+            )
+        })
         .map(|(x, y)| Vector3::new(x, y, f(x, y)))
         .collect()
 }
@@ -62,7 +67,10 @@ fn domains_and_errors() {
     let points = scattered(100, |x, _| x);
     let options = MultilevelOptions::default();
     let far = Interval::new(100.0, 200.0).unwrap();
-    assert!(matches!(multilevel(&points, Some([far, far]), &options), Err(Error::TooFewPoints { usable: 0, .. })));
+    assert!(matches!(
+        multilevel(&points, Some([far, far]), &options),
+        Err(Error::TooFewPoints { usable: 0, .. })
+    ));
     let column = [Vector3::new(1.0, 2.0, 3.0); 4];
     assert!(matches!(multilevel(&column, None, &options), Err(Error::EmptyDomain { .. })));
     assert!(multilevel(&[], None, &options).is_err());

@@ -55,7 +55,12 @@ pub(super) fn polygon(
     (polygon.len() >= 8).then_some(polygon)
 }
 
-fn meeting(one: &[Option<Sample>], next: &[Option<Sample>], bisector: f64, spacing: f64) -> Option<(usize, usize)> {
+fn meeting(
+    one: &[Option<Sample>],
+    next: &[Option<Sample>],
+    bisector: f64,
+    spacing: f64,
+) -> Option<(usize, usize)> {
     let off = |s: &Sample| {
         let angle = (s.normal - bisector).rem_euclid(TAU);
         angle.min(TAU - angle).powi(2)

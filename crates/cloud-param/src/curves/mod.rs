@@ -92,7 +92,11 @@ impl LayerCurve {
 ///
 /// # Errors
 /// [`Error::Shape`] where too few layers close around the axis; as [`Turntable::views`].
-pub fn base_curves(table: &Turntable, cloud: &Neighbourhood, options: &BaseCurveOptions) -> Result<BaseCurves, Error> {
+pub fn base_curves(
+    table: &Turntable,
+    cloud: &Neighbourhood,
+    options: &BaseCurveOptions,
+) -> Result<BaseCurves, Error> {
     let (views, seen) = match options.views {
         Some(count) if count < 3 => {
             return Err(Error::Option { name: "views", value: count as f64, allowed: "at least 3" });
@@ -114,7 +118,8 @@ pub fn base_curves(table: &Turntable, cloud: &Neighbourhood, options: &BaseCurve
         });
     }
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
-    let automatic = (length / (SAMPLE_SPACING * cloud.pitch())).round().clamp(7.0, MOST_LAYERS as f64) as usize;
+    let automatic =
+        (length / (SAMPLE_SPACING * cloud.pitch())).round().clamp(7.0, MOST_LAYERS as f64) as usize;
     let layers = options.layers.unwrap_or(automatic);
     if layers < 4 {
         return Err(Error::Option { name: "layers", value: layers as f64, allowed: "at least 4" });

@@ -80,7 +80,8 @@ pub fn project_curves(
         let moved = parallel::tasks(curves.len(), |j| {
             let layer = &curves[j];
             let samples = layer.curve.resampled_with_normals(count(&layer.curve));
-            let places: Vec<Vector2<f64>> = samples.iter().map(|(p, n)| draw(frame, cloud, layer, p, n, &options.directed)).collect();
+            let places: Vec<Vector2<f64>> =
+                samples.iter().map(|(p, n)| draw(frame, cloud, layer, p, n, &options.directed)).collect();
             without_loops(places)
         });
         for (layer, moved) in curves.iter_mut().zip(moved) {
@@ -128,7 +129,8 @@ fn without_loops(mut places: Vec<Vector2<f64>>) -> Option<(ClosedCurve, bool)> {
             return Some((curve, smoothing > 0));
         }
         let n = places.len();
-        places = (0..n).map(|i| places[i] / 2.0 + (places[(i + n - 1) % n] + places[(i + 1) % n]) / 4.0).collect();
+        places =
+            (0..n).map(|i| places[i] / 2.0 + (places[(i + n - 1) % n] + places[(i + 1) % n]) / 4.0).collect();
     }
     None
 }

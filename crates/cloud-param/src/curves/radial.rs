@@ -15,7 +15,9 @@ pub(super) fn polygon(slice: &[Vector2<f64>], spacing: f64) -> Option<Vec<Vector
     let middle = (low + high) / 2.0;
     let around = TAU * 0.5 * (high - low).mean();
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
-    let bins = (slice.len() as f64 / PER_DIRECTION).min(around / spacing.max(f64::MIN_POSITIVE)).clamp(8.0, 180.0) as usize;
+    let bins = (slice.len() as f64 / PER_DIRECTION)
+        .min(around / spacing.max(f64::MIN_POSITIVE))
+        .clamp(8.0, 180.0) as usize;
     let mut distances = vec![Vec::new(); bins];
     for p in slice {
         let away = p - middle;
@@ -37,7 +39,8 @@ pub(super) fn polygon(slice: &[Vector2<f64>], spacing: f64) -> Option<Vec<Vector
     let at = |i: usize| -> f64 {
         let back = (0..bins).find(|k| medians[(i + bins - k) % bins].is_some()).unwrap_or(0);
         let on = (0..bins).find(|k| medians[(i + k) % bins].is_some()).unwrap_or(0);
-        let (a, b) = (medians[(i + bins - back) % bins].unwrap_or(0.0), medians[(i + on) % bins].unwrap_or(0.0));
+        let (a, b) =
+            (medians[(i + bins - back) % bins].unwrap_or(0.0), medians[(i + on) % bins].unwrap_or(0.0));
         if back + on == 0 { a } else { a + (b - a) * back as f64 / (back + on) as f64 }
     };
     let polygon = (0..bins).map(|i| {

@@ -33,10 +33,8 @@ impl ViewField {
         // Coordinates: right, height, towards the eye.
         let data: Vec<Vector3<f64>> =
             shown.map(|(p, _)| table.turned(p, view.angle)).map(|p| Vector3::new(p.x, p.z, p.y)).collect();
-        let domain = [
-            Interval::new(-table.radius, table.radius)?,
-            Interval::new(table.heights[0], table.heights[1])?,
-        ];
+        let domain =
+            [Interval::new(-table.radius, table.radius)?, Interval::new(table.heights[0], table.heights[1])?];
         let options = MultilevelOptions::default()
             .with_weighting(Weighting::Linear)
             .with_data_per_piece(DATA_PER_PIECE)

@@ -32,7 +32,16 @@ impl Face {
         let size = e.y * f.z + e.z * f.y + e.z * f.x + e.x * f.z + e.x * f.y + e.y * f.x;
         // Each of the products of three differences errs by less than 8 roundings; the factor leaves room.
         let uncertain = 32.0 * f64::EPSILON * size * scaled.extent;
-        Self { corners, neighbours, normal, base: a, uncertain, first: NONE, farthest: (NONE, 0.0), alive: true }
+        Self {
+            corners,
+            neighbours,
+            normal,
+            base: a,
+            uncertain,
+            first: NONE,
+            farthest: (NONE, 0.0),
+            alive: true,
+        }
     }
 
     /// Whether a point lies beyond the plane of the face, and roughly how far.

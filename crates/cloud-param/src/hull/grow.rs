@@ -37,7 +37,8 @@ struct Hull<'a> {
 impl<'a> Hull<'a> {
     fn new(scaled: &'a Scaled, [a, b, c, d]: [u32; 4]) -> Self {
         let count = scaled.points.len();
-        let triangles = [([a, b, c], [1, 2, 3]), ([b, a, d], [0, 3, 2]), ([c, b, d], [0, 1, 3]), ([a, c, d], [0, 2, 1])];
+        let triangles =
+            [([a, b, c], [1, 2, 3]), ([b, a, d], [0, 3, 2]), ([c, b, d], [0, 1, 3]), ([a, c, d], [0, 2, 1])];
         let faces = triangles.map(|(corners, neighbours)| Face::new(scaled, corners, neighbours)).to_vec();
         let mut hull = Self {
             scaled,
@@ -139,7 +140,10 @@ impl<'a> Hull<'a> {
         }
     }
 
-    #[expect(clippy::cast_possible_truncation, reason = "a hull has fewer than twice as many faces as vertices")]
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "a hull has fewer than twice as many faces as vertices"
+    )]
     fn place(&mut self, face: Face) -> u32 {
         match self.free.pop() {
             Some(place) => {

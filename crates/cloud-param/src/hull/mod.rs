@@ -13,7 +13,7 @@ use simplex::Start;
 
 /// The convex hull of points in space, of whatever dimension it is.
 ///
-/// Built with conflict lists, the farthest point first ([BDH96]); every decision is the exact sign of a determinant, so
+/// Built with conflict lists, the farthest point first (\[BDH96\]); every decision is the exact sign of a determinant, so
 /// that flat, duplicate and collinear input of any size gives the hull and not an approximation of it. A point in the plane
 /// of a face counts as not beyond it: points inside faces and edges of the hull may or may not be among its vertices.
 ///

@@ -18,7 +18,10 @@ impl Start {
         let all = || points.iter().zip(0u32..);
         // The index of the largest value, the first of equals.
         let farthest = |value: &dyn Fn(u32) -> f64| {
-            all().map(|(_, i)| (value(i), i)).fold((f64::NEG_INFINITY, 0), |m, x| if x.0 > m.0 { x } else { m }).1
+            all()
+                .map(|(_, i)| (value(i), i))
+                .fold((f64::NEG_INFINITY, 0), |m, x| if x.0 > m.0 { x } else { m })
+                .1
         };
         let at = |i: u32| points[i as usize];
         // An extreme point, and the other end of the cloud along a line.
@@ -44,7 +47,11 @@ impl Start {
                 None => return Self::Triangle([a, b, c]),
             }
         }
-        if scaled.side([a, b, c], d) > 0.0 { Self::Tetrahedron([a, c, b, d]) } else { Self::Tetrahedron([a, b, c, d]) }
+        if scaled.side([a, b, c], d) > 0.0 {
+            Self::Tetrahedron([a, c, b, d])
+        } else {
+            Self::Tetrahedron([a, b, c, d])
+        }
     }
 }
 
@@ -52,7 +59,10 @@ impl Start {
 fn ends(scaled: &Scaled) -> [u32; 2] {
     let less = |i: &u32, j: &u32| {
         let (p, q) = (&scaled.points[*i as usize], &scaled.points[*j as usize]);
-        p.iter().zip(q.iter()).map(|(x, y)| x.total_cmp(y)).fold(std::cmp::Ordering::Equal, std::cmp::Ordering::then)
+        p.iter()
+            .zip(q.iter())
+            .map(|(x, y)| x.total_cmp(y))
+            .fold(std::cmp::Ordering::Equal, std::cmp::Ordering::then)
     };
     let indices = || scaled.points.iter().zip(0u32..).map(|(_, i)| i);
     [indices().min_by(less).unwrap_or(0), indices().max_by(less).unwrap_or(0)]

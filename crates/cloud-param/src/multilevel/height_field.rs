@@ -67,7 +67,8 @@ impl HeightField {
         };
         let knots = |axis: usize| {
             let count = spans[axis];
-            let values = (0..count + 7).map(|i| if i == count + 3 { self.domain[axis].end() } else { place(axis, i as f64 - 3.0) });
+            let values = (0..count + 7)
+                .map(|i| if i == count + 3 { self.domain[axis].end() } else { place(axis, i as f64 - 3.0) });
             KnotVector::new(3, values.collect())
         };
         let width = spans[1] + 3;

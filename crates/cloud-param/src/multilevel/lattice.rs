@@ -51,7 +51,12 @@ impl Lattice {
     /// A datum alone is met by `φ_c = w_c z / Σ w²`, with the products `w_c = B_k(s) B_l(t)`; a coefficient with several
     /// data is the mean of their `φ_c` with the weights `w_c²` (eq. (5)) or `w_c` (eq. (6), the sum of the weights in the
     /// denominator).
-    pub(super) fn approximate(spans: [usize; 2], factor: f64, data: &[[f64; 3]], weighting: Weighting) -> Self {
+    pub(super) fn approximate(
+        spans: [usize; 2],
+        factor: f64,
+        data: &[[f64; 3]],
+        weighting: Weighting,
+    ) -> Self {
         let mut sums = vec![[0.0f64; 2]; (spans[0] + 3) * (spans[1] + 3)];
         let width = spans[1] + 3;
         for &[x, y, z] in data {
@@ -74,7 +79,8 @@ impl Lattice {
             }
         }
         // A coefficient without data stays 0 ([MPK], below eq. (5)).
-        let values = sums.iter().map(|[sum, weight]| if *weight > 0.0 { sum / weight } else { 0.0 }).collect();
+        let values =
+            sums.iter().map(|[sum, weight]| if *weight > 0.0 { sum / weight } else { 0.0 }).collect();
         Self { spans, values }
     }
 
@@ -183,15 +189,19 @@ mod tests {
     #[test]
     fn the_printed_form_of_equation_6_diverges_where_ours_does_not() {
         // Many equal data in one cell: eq. (6) as printed has Σ w φ / Σ w², which is not a mean.
-        let data: Vec<_> = (0..100).map(|i| [f64::from(i % 10) / 10.0, f64::from(i / 10) / 10.0, 1.0]).collect();
+        let data: Vec<_> =
+            (0..100).map(|i| [f64::from(i % 10) / 10.0, f64::from(i / 10) / 10.0, 1.0]).collect();
         let ours = Lattice::approximate([1, 1], 1.0, &data, Weighting::Linear);
         assert!(ours.values.iter().all(|v| v.abs() < 3.0), "{:?}", ours.values);
-        let largest = data.iter().map(|d| {
-            let (a, b) = (basis(d[0]), basis(d[1]));
-            let w = a[0] * b[0];
-            let squares = a.iter().map(|x| x * x).sum::<f64>() * b.iter().map(|x| x * x).sum::<f64>();
-            (w * w / squares, w * w)
-        }).fold((0.0, 0.0), |s, d| (s.0 + d.0, s.1 + d.1));
+        let largest = data
+            .iter()
+            .map(|d| {
+                let (a, b) = (basis(d[0]), basis(d[1]));
+                let w = a[0] * b[0];
+                let squares = a.iter().map(|x| x * x).sum::<f64>() * b.iter().map(|x| x * x).sum::<f64>();
+                (w * w / squares, w * w)
+            })
+            .fold((0.0, 0.0), |s, d| (s.0 + d.0, s.1 + d.1));
         assert!(largest.0 / largest.1 > 4.0);
     }
 }

@@ -18,7 +18,7 @@ const SORTING_CELLS: usize = 256;
 const SORTED: usize = 20_000;
 
 /// The height field `z = f(x, y)` of scattered points by multilevel B-spline approximation ([MPK, eqs. (1)-(6)],
-/// [LWS97]), as one uniform cubic spline.
+/// \[LWS97\]), as one uniform cubic spline.
 ///
 /// Every level adds the approximation of what the coarser ones leave, on a lattice of half the spacing; the sum is refined
 /// to the newest lattice at once, so that evaluation costs the same after any number of levels. `domain` is the
@@ -72,7 +72,8 @@ pub fn multilevel(
     if data.len() >= SORTED {
         sort(&mut data, spans);
     }
-    let (low, high) = used.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |r, p| (r.0.min(p.z), r.1.max(p.z)));
+    let (low, high) =
+        used.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |r, p| (r.0.min(p.z), r.1.max(p.z)));
     let goal = options.tolerance * (high - low);
 
     let mut sum = Lattice::zeros(spans);
@@ -131,7 +132,8 @@ fn trend(points: &[&Vector3<f64>], [x, y]: [Interval; 2], spans: [usize; 2], kin
     }
     let (mut matrix, mut right) = (Matrix3::zeros(), Vector3::zeros());
     for p in points {
-        let row = Vector3::new(1.0, (p.x - x.start()) / x.length() - 0.5, (p.y - y.start()) / y.length() - 0.5);
+        let row =
+            Vector3::new(1.0, (p.x - x.start()) / x.length() - 0.5, (p.y - y.start()) / y.length() - 0.5);
         matrix += row * row.transpose() / count;
         right += row * ((p.z - mean) / count);
     }
@@ -149,7 +151,11 @@ fn trend(points: &[&Vector3<f64>], [x, y]: [Interval; 2], spans: [usize; 2], kin
 
 /// Counting sort by coarse cells.
 fn sort(data: &mut Vec<[f64; 3]>, spans: [usize; 2]) {
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "places are inside the lattice")]
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "places are inside the lattice"
+    )]
     let cell = |p: &[f64; 3]| {
         let along = |axis: usize| {
             ((p[axis] / spans[axis] as f64 * SORTING_CELLS as f64) as usize).min(SORTING_CELLS - 1)

@@ -113,7 +113,11 @@ impl MultilevelOptions {
         }
         match self.spans {
             Some([x, y]) if x == 0 || y == 0 || x.saturating_mul(y) > MAX_COEFFICIENTS => {
-                Err(Error::Option { name: "spans", value: x.min(y) as f64, allowed: "at least 1, and not too many" })
+                Err(Error::Option {
+                    name: "spans",
+                    value: x.min(y) as f64,
+                    allowed: "at least 1, and not too many",
+                })
             }
             _ => Ok(()),
         }

@@ -2,7 +2,10 @@
 
 use super::{Base, Clock, ParameteriseOptions, ParameteriseReport, Stage};
 use crate::curves::CurveOrigin;
-use crate::{AxisEstimate, Error, Neighbourhood, ShapeDecision, Turntable, base_curves, grid_of_curves, project_curves, refine};
+use crate::{
+    AxisEstimate, Error, Neighbourhood, ShapeDecision, Turntable, base_curves, grid_of_curves,
+    project_curves, refine,
+};
 
 /// Rows that may be added beyond the last full layer at each end.
 const ROWS_BEYOND: f64 = 3.0;
@@ -35,6 +38,11 @@ pub(super) fn base(
     let mut best: Option<(usize, Base)> = None;
     for (attempt, coarser) in COARSER.into_iter().enumerate() {
         // Fewer and smoother samples where more would fold: detail that the cloud does not resolve, as in threads.
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "less than a number of rows"
+        )]
         let fewer = |n: usize, least: usize| ((n as f64 / coarser).round() as usize).max(least);
         let heights = heights(&table, found.heights, fewer(found.layers, 7));
         let mut grid = grid_of_curves(&table.frame, &found.curves, &heights, fewer(count, 12))?;
@@ -55,7 +63,8 @@ pub(super) fn base(
             break;
         }
     }
-    best.map(|(_, base)| base).ok_or(Error::Shape { wanted: "a cylinder", why: "no base surface could be made".into() })
+    best.map(|(_, base)| base)
+        .ok_or(Error::Shape { wanted: "a cylinder", why: "no base surface could be made".into() })
 }
 
 /// Heights of the rows: those of the layers, and a few beyond them where the cloud goes on without going all around.

@@ -59,7 +59,8 @@ pub enum ParameterStatus {
     Converged,
     /// The base surface folds over or crosses itself somewhere: see the defects. Parameters are wrong there.
     Folded,
-    /// Much of the base surface lies over holes, or many points lie beyond its ends.
+    /// Much of the base surface lies over holes, many points lie beyond its ends, or it is farther from the points than these
+    /// are from each other.
     Incomplete,
 }
 

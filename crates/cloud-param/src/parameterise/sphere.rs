@@ -20,7 +20,8 @@ pub(super) fn base(
     let points = cloud.points();
     let (low, high) = points.iter().fold((points[0], points[0]), |(l, h), p| (l.inf(p), h.sup(p)));
     let frame = AxisFrame::new((low + high) / 2.0, &axis.direction)?;
-    let local: Vec<Vector3<f64>> = points.iter().map(|p| frame.to_local(p)).filter(|p| p.norm() > 0.0).collect();
+    let local: Vec<Vector3<f64>> =
+        points.iter().map(|p| frame.to_local(p)).filter(|p| p.norm() > 0.0).collect();
     let directions: Vec<Vector3<f64>> = local.iter().map(|p| p.normalize()).collect();
     let index = Neighbourhood::new(&directions)?;
     let mean = local.iter().map(|p| p.norm()).sum::<f64>() / local.len() as f64;

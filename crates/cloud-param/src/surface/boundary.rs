@@ -13,7 +13,7 @@ pub struct Boundary<'a> {
     pub along_v: [&'a BsplineCurve<3>; 2],
 }
 
-/// The dynamic base surface of a cloud within four given boundary curves ([Az04]): a grid on their Coons patch is projected
+/// The dynamic base surface of a cloud within four given boundary curves (\[Az04\]): a grid on their Coons patch is projected
 /// onto the cloud along the normals and relaxed, a surface is laid through it, and again.
 ///
 /// The baseline to which [`base_curves`](crate::base_curves) is the alternative: someone has to give the curves, and where
@@ -34,7 +34,9 @@ pub fn dynamic_base_surface(
         return Err(Error::Option { name: "size", value: few as f64, allowed: "at least 4" });
     }
     let [m, n] = size;
-    let at = |k: usize| coons.point(u.lerp((k / n) as f64 / (m - 1) as f64), v.lerp((k % n) as f64 / (n - 1) as f64));
+    let at = |k: usize| {
+        coons.point(u.lerp((k / n) as f64 / (m - 1) as f64), v.lerp((k % n) as f64 / (n - 1) as f64))
+    };
     let grid = SampleGrid { size, points: (0..m * n).map(at).collect(), closed: false };
     let (_, surface, report) = refine(&grid, cloud, None, options)?;
     Ok((surface, report))

@@ -39,7 +39,11 @@ impl SampleGrid {
         } else {
             KnotVector::averaged(3, &u)?
         };
-        Ok(BsplineSurface::interpolate_grid_at([knots_u, KnotVector::averaged(3, &v)?], [&u, &v], &self.points)?)
+        Ok(BsplineSurface::interpolate_grid_at(
+            [knots_u, KnotVector::averaged(3, &v)?],
+            [&u, &v],
+            &self.points,
+        )?)
     }
 
     /// The places of a surface through a grid of this size, moved along its parameter lines to equal distances from each
@@ -66,7 +70,11 @@ impl SampleGrid {
         for (k, slot) in smooth.points.iter_mut().enumerate() {
             let (i, j) = (k / n, k % n);
             let Some([a, b]) = self.beside(i, j) else { continue };
-            let middle = if j == 0 || j + 1 == n { (a + b) / 2.0 } else { (a + b + self.at(i, j - 1) + self.at(i, j + 1)) / 4.0 };
+            let middle = if j == 0 || j + 1 == n {
+                (a + b) / 2.0
+            } else {
+                (a + b + self.at(i, j - 1) + self.at(i, j + 1)) / 4.0
+            };
             *slot += (middle - *slot) / 2.0;
         }
         smooth
@@ -132,7 +140,9 @@ pub fn grid_of_curves(
     let start = (0..count)
         .map(|k| k as f64 / count as f64)
         .map(|share| (first.resampled(1, share)[0], share))
-        .fold((f64::NEG_INFINITY, 0.0), |best, (p, share)| if p.x - p.y.abs() > best.0 { (p.x - p.y.abs(), share) } else { best });
+        .fold((f64::NEG_INFINITY, 0.0), |best, (p, share)| {
+            if p.x - p.y.abs() > best.0 { (p.x - p.y.abs(), share) } else { best }
+        });
     rings[middle] = first.resampled(count, start.1);
     for j in middle + 1..curves.len() {
         rings[j] = aligned(&curves[j], &rings[j - 1]);

@@ -28,7 +28,13 @@ pub struct RefineOptions {
 
 impl Default for RefineOptions {
     fn default() -> Self {
-        Self { directed: DirectedOptions::default(), max_iterations: 6, threshold: 0.01, relaxation: 0.5, equalise: true }
+        Self {
+            directed: DirectedOptions::default(),
+            max_iterations: 6,
+            threshold: 0.01,
+            relaxation: 0.5,
+            equalise: true,
+        }
     }
 }
 
@@ -57,7 +63,7 @@ pub struct RefineReport {
 }
 
 /// Draws a grid to a cloud: its places are projected along the normals of the surface through it, relaxed within the tangent
-/// planes, and again ([MPK, sec. 3.7], after the dynamic base surfaces of [Az04]).
+/// planes, and again ([MPK, sec. 3.7], after the dynamic base surfaces of \[Az04\]).
 ///
 /// Places without a point near them are carried by their neighbours. On the first and last row, in `v`, places stay in
 /// their layer across the axis if there is one. The state with fewest defects, among these the nearest, is kept.
@@ -170,7 +176,11 @@ fn relax(grid: &mut SampleGrid, drawn: &[Drawn], share: f64) {
             };
             let move_by = middle - old.points[k];
             let normal = drawn[k].normal;
-            grid.points[k] += if drawn[k].supported { (move_by - normal * move_by.dot(&normal)) * share } else { move_by * share };
+            grid.points[k] += if drawn[k].supported {
+                (move_by - normal * move_by.dot(&normal)) * share
+            } else {
+                move_by * share
+            };
         }
     }
 }

@@ -119,12 +119,22 @@ pub fn estimate_axis(points: &[Vector3<f64>], choice: AxisChoice) -> Result<Axis
             best = Some(found);
         }
     }
-    best.ok_or(Error::Shape { wanted: "a surface", why: "its points have no normals; check that they are not all equal".into() })
+    best.ok_or(Error::Shape {
+        wanted: "a surface",
+        why: "its points have no normals; check that they are not all equal".into(),
+    })
 }
 
-fn estimate(sample: &Sample, centre: Vector3<f64>, direction: Vector3<f64>, origin: AxisOrigin) -> AxisEstimate {
+fn estimate(
+    sample: &Sample,
+    centre: Vector3<f64>,
+    direction: Vector3<f64>,
+    origin: AxisOrigin,
+) -> AxisEstimate {
     let coverage = AxisFrame::new(centre, &direction)
-        .map_or(Coverage { layers: vec![0.0], directions: 0 }, |frame| Coverage::new(&sample.points, &frame));
+        .map_or(Coverage { layers: vec![0.0], gaps: vec![1.0], directions: 0 }, |frame| {
+            Coverage::new(&sample.points, &frame)
+        });
     AxisEstimate { direction, origin, coverage, normals_along: sample.along(&direction) }
 }
 

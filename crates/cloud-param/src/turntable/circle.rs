@@ -12,7 +12,7 @@ pub struct Circle {
     pub radius: f64,
 }
 
-/// A circle around finite points, a few percent larger than the smallest one ([Rit90]): from two points far apart, it
+/// A circle around finite points, a few percent larger than the smallest one (\[Rit90\]): from two points far apart, it
 /// grows as far as each point makes it.
 ///
 /// # Errors
@@ -22,10 +22,13 @@ pub fn bounding_circle(points: &[Vector2<f64>]) -> Result<Circle, Error> {
         return Err(Error::TooFewPoints { total: 0, usable: 0, needed: 1 });
     };
     let farthest = |from: &Vector2<f64>| {
-        points.iter().fold((0.0, *from), |best, p| {
-            let d = (p - from).norm_squared();
-            if d > best.0 { (d, *p) } else { best }
-        }).1
+        points
+            .iter()
+            .fold((0.0, *from), |best, p| {
+                let d = (p - from).norm_squared();
+                if d > best.0 { (d, *p) } else { best }
+            })
+            .1
     };
     let a = farthest(first);
     let b = farthest(&a);
@@ -51,8 +54,11 @@ mod tests {
     #[test]
     fn holds_all_points_and_is_hardly_too_large() {
         let points: Vec<_> = (0..500)
-            .map(|i| f64::from(i))
-            .map(|i| Vector2::new((0.9 * i).cos(), (0.9 * i).sin()) * (i * 0.618).fract() + Vector2::new(50.0, -20.0))
+            .map(f64::from)
+            .map(|i| {
+                Vector2::new((0.9 * i).cos(), (0.9 * i).sin()) * (i * 0.618).fract()
+                    + Vector2::new(50.0, -20.0)
+            })
             .collect();
         let circle = bounding_circle(&points).unwrap();
         assert!(points.iter().all(|p| (p - circle.centre).norm() <= circle.radius));

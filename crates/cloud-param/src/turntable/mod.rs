@@ -59,7 +59,11 @@ impl Turntable {
             local.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| (l.min(p.z), h.max(p.z)));
         let middle = 0.5 * (low + high);
         let origin = frame.to_world(&Vector3::new(circle.centre.x, circle.centre.y, middle));
-        Ok(Self { frame: AxisFrame { origin, ..frame }, radius: circle.radius, heights: [low - middle, high - middle] })
+        Ok(Self {
+            frame: AxisFrame { origin, ..frame },
+            radius: circle.radius,
+            heights: [low - middle, high - middle],
+        })
     }
 
     /// A point as it is seen with the table turned by `angle` ([MPK, eq. (17)]): to the right, towards the eye, up.
@@ -78,7 +82,12 @@ impl Turntable {
     ///
     /// # Errors
     /// As [`visible_points`].
-    pub fn views(&self, points: &[Vector3<f64>], count: usize, sharpness: Sharpness) -> Result<Vec<TurntableView>, Error> {
+    pub fn views(
+        &self,
+        points: &[Vector3<f64>],
+        count: usize,
+        sharpness: Sharpness,
+    ) -> Result<Vec<TurntableView>, Error> {
         let view = |i: usize| {
             let angle = TAU * i as f64 / count as f64;
             let towards = self.frame.axes[1] * angle.cos() - self.frame.axes[0] * angle.sin();
@@ -94,7 +103,11 @@ impl Turntable {
     ///
     /// # Errors
     /// As [`visible_points`].
-    pub fn views_as_needed(&self, points: &[Vector3<f64>], sharpness: Sharpness) -> Result<(Vec<TurntableView>, f64), Error> {
+    pub fn views_as_needed(
+        &self,
+        points: &[Vector3<f64>],
+        sharpness: Sharpness,
+    ) -> Result<(Vec<TurntableView>, f64), Error> {
         let share = |views: &[TurntableView]| {
             let seen = (0..points.len()).filter(|&i| views.iter().any(|view| view.visible[i])).count();
             seen as f64 / points.len().max(1) as f64
