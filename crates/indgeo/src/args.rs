@@ -1,6 +1,6 @@
 //! What can be typed.
 
-use crate::commands::{convert, demo, info, inspect, project, register};
+use crate::commands::{convert, demo, info, inspect, project, register, register_views, selftest};
 use clap::{Args, Parser, Subcommand};
 use std::path::{Path, PathBuf};
 
@@ -23,6 +23,7 @@ Examples:
   indgeo project model.json scan.ply -o deviations.csv
   indgeo inspect model.json scan.ply --tolerance 0.05 --report report.html
   indgeo register part.stl scan.ply -o moved.ply --transform pose.json
+  indgeo register-views scan1.ply scan2.ply scan3.ply -o aligned
   indgeo info scan.ply";
 
 #[derive(Debug, Subcommand)]
@@ -30,9 +31,11 @@ pub(crate) enum Command {
     Project(project::Args),
     Inspect(inspect::Args),
     Register(register::Args),
+    RegisterViews(register_views::Args),
     Convert(convert::Args),
     Info(info::Args),
     Demo(demo::Args),
+    Selftest(selftest::Args),
 }
 
 impl Command {
@@ -42,9 +45,11 @@ impl Command {
             Self::Project(args) => (vec![&args.model, &args.points], vec![args.out.clone()]),
             Self::Inspect(args) => args.files(),
             Self::Register(args) => args.files(),
+            Self::RegisterViews(args) => args.files(),
             Self::Convert(args) => (vec![&args.input], vec![args.output.clone()]),
             Self::Info(args) => (args.files.iter().map(PathBuf::as_path).collect(), Vec::new()),
             Self::Demo(args) => (Vec::new(), args.results().to_vec()),
+            Self::Selftest(_) => (Vec::new(), Vec::new()),
         }
     }
 
@@ -54,9 +59,11 @@ impl Command {
             Self::Project(_) => "project",
             Self::Inspect(_) => "inspect",
             Self::Register(_) => "register",
+            Self::RegisterViews(_) => "register-views",
             Self::Convert(_) => "convert",
             Self::Info(_) => "info",
             Self::Demo(_) => "demo",
+            Self::Selftest(_) => "selftest",
         }
     }
 }

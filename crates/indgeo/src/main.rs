@@ -1,4 +1,5 @@
-//! Industrial Geometry on the command line: `indgeo project | inspect | convert | info | demo`.
+//! Industrial Geometry on the command line: `indgeo project | inspect | register | register-views | convert | info | demo |
+//! selftest`.
 
 mod args;
 mod commands;
@@ -7,20 +8,25 @@ mod error;
 mod files;
 mod inspecting;
 mod model;
+mod moving;
 mod output;
 mod points;
 mod poses;
 mod progress;
 mod projection;
 mod registering;
+mod registering_views;
 mod registration_model;
 mod registration_report;
 mod report;
+mod selftest;
 mod session;
+mod staging;
 mod summary;
 mod target;
 mod threads;
 mod transform;
+mod views_report;
 
 use clap::Parser;
 use std::process::ExitCode;

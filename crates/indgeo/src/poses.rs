@@ -12,6 +12,9 @@ const ADVICE: &str =
 /// Names under which an object holds its matrix.
 const KEYS: [&str; 2] = ["matrix", "T"];
 
+/// Names under which an object holds its list of poses, as the file of `register-views` does.
+const LISTS: [&str; 2] = ["views", "poses"];
+
 /// Reads one pose, or a list of poses: 4 × 4 matrices by rows, alone or as the value of `matrix`.
 pub(crate) fn read(path: &Path) -> Result<Vec<Pose<3>>, Error> {
     let bytes = std::fs::read(path).map_err(|source| Error::File {
@@ -26,7 +29,8 @@ fn parse(document: &Value) -> Result<Vec<Pose<3>>, String> {
     if let Some(rows) = matrix(document) {
         return Ok(vec![pose(&rows)?]);
     }
-    let Some(list) = document.as_array().filter(|list| !list.is_empty()) else {
+    let list = LISTS.iter().find_map(|key| document.get(key)).unwrap_or(document);
+    let Some(list) = list.as_array().filter(|list| !list.is_empty()) else {
         return Err("there is no pose in this file".to_owned());
     };
     let one = |(index, value): (usize, &Value)| {
@@ -59,6 +63,7 @@ mod tests {
             (json!({"matrix": quarter, "rms": 0.5}), 1),
             (json!([quarter, quarter]), 2),
             (json!([{"T": quarter}, {"matrix": quarter}, quarter]), 3),
+            (json!({"status": "converged", "views": [{"matrix": quarter}, {"matrix": quarter}]}), 2),
         ] {
             let poses = parse(&document).unwrap();
             assert_eq!(poses.len(), count, "{document}");

@@ -11,13 +11,21 @@ pub(crate) struct Progress {
 }
 
 impl Progress {
-    /// A bar, invisible when `quiet` or when nobody watches.
+    /// A bar that counts points, invisible when `quiet` or when nobody watches.
     pub(crate) fn new(what: &'static str, quiet: bool) -> Self {
+        Self::with_template(what, quiet, "{msg} [{wide_bar}] {human_pos}/{human_len} points, {eta} left")
+    }
+
+    /// A bar that counts steps.
+    pub(crate) fn steps(what: &'static str, quiet: bool) -> Self {
+        Self::with_template(what, quiet, "{msg} [{wide_bar}] {human_pos}/{human_len}")
+    }
+
+    fn with_template(what: &'static str, quiet: bool, template: &str) -> Self {
         let bar = ProgressBar::with_draw_target(
             None,
             if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() },
         );
-        let template = "{msg} [{wide_bar}] {human_pos}/{human_len} points, {eta} left";
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style.progress_chars("=> "));
         }

@@ -2,6 +2,7 @@
 
 use crate::error::Error;
 use crate::files;
+use crate::moving::moved;
 use crate::poses;
 use crate::progress::Progress;
 use crate::registration_model::RegistrationModel;
@@ -9,8 +10,7 @@ use crate::registration_report::{self as found, RegistrationResults, StartResult
 use crate::report::{Input, ModelSummary, Output, Report, Results, Timings};
 use industrial_geometry::distance_field::{DistanceField, Hint, Search};
 use industrial_geometry::io::{self, AtomicFile, Content, ReadOptions, WriteOptions};
-use industrial_geometry::mesh::nalgebra::{Point3, Vector3};
-use industrial_geometry::mesh::{PointCloud, TriangleMesh};
+use industrial_geometry::mesh::nalgebra::Vector3;
 use industrial_geometry::register::start::{OrientedPoints, StartOptions, coarse_start};
 use industrial_geometry::register::{
     Pose, RegisterOptions, RegisterReport, Source, StepRecord, register_with_progress,
@@ -275,25 +275,4 @@ fn write(
     })?;
     report.timings.write = seconds;
     Ok(())
-}
-
-/// The same content at its new place.
-fn moved(content: Content, pose: &Pose<3>, path: &Path) -> Result<Content, Error> {
-    let failed =
-        |error: industrial_geometry::mesh::Error| Error::content(path, error.to_string(), "export it again");
-    let at = |cloud: PointCloud| -> Result<PointCloud, Error> {
-        let (positions, mut attributes) = cloud.into_parts();
-        let positions = positions.iter().map(|x| Point3::from(pose.apply(&x.coords))).collect();
-        let normals = attributes.normals().map(|normals| normals.iter().map(|n| pose.rotate(n)).collect());
-        attributes.set_normals(normals);
-        PointCloud::new(positions).with_attributes(attributes).map_err(failed)
-    };
-    Ok(match content {
-        Content::Cloud(cloud) => Content::Cloud(at(cloud)?),
-        Content::Mesh(mesh) => {
-            let (cloud, triangles) = mesh.into_parts();
-            Content::Mesh(TriangleMesh::from_cloud(at(cloud)?, triangles).map_err(failed)?)
-        }
-        other @ Content::Nurbs(_) => other,
-    })
 }

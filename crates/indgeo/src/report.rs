@@ -1,6 +1,8 @@
 //! The machine-readable report of a command (`--json`).
 
 use crate::registration_report::RegistrationResults;
+use crate::selftest::Check;
+use crate::views_report::ViewsResults;
 use industrial_geometry::inspection::{Inspection, Statistics};
 use industrial_geometry::io::ReadReport;
 use serde::Serialize;
@@ -15,7 +17,7 @@ pub(crate) struct Report {
     pub(crate) command: &'static str,
     /// Version of the program.
     pub(crate) version: &'static str,
-    /// `done` (exit status 0), `not_converged` or `out_of_tolerance` (1), `error` (2).
+    /// `done` (exit status 0), `not_converged`, `out_of_tolerance` or `failed` (1), `error` (2).
     pub(crate) status: &'static str,
     /// Exit status of the process.
     pub(crate) exit_code: u8,
@@ -47,7 +49,7 @@ pub(crate) struct Report {
 /// A file that was read.
 #[derive(Debug, Serialize)]
 pub(crate) struct Input {
-    /// `model`, `points` or `file`.
+    /// `model`, `points`, `view` or `file`.
     pub(crate) role: &'static str,
     /// The path as given.
     pub(crate) path: PathBuf,
@@ -161,6 +163,10 @@ pub(crate) enum Results {
     Inspection(Box<Inspection>),
     /// Of a registration.
     Registration(Box<RegistrationResults>),
+    /// Of a registration of many views.
+    Views(Box<ViewsResults>),
+    /// Of `selftest`.
+    Checks(Vec<Check>),
     /// Of `info`.
     Files(Vec<serde_json::Value>),
 }

@@ -2,6 +2,7 @@
 
 use crate::registration_report::RegistrationResults;
 use crate::report::{ProjectionResults, Report, Results};
+use crate::views_report::ViewsResults;
 use industrial_geometry::inspection::{Inspection, Tolerance};
 use std::fmt::Write;
 
@@ -13,6 +14,7 @@ pub(crate) fn of(report: &Report) -> String {
         Some(Results::Projection(results)) => write_projection(&mut text, report, results),
         Some(Results::Inspection(found)) => write_inspection(&mut text, report, found),
         Some(Results::Registration(found)) => write_registration(&mut text, report, found),
+        Some(Results::Views(found)) => write_views(&mut text, report, found),
         _ => Ok(()),
     };
     text
@@ -111,6 +113,48 @@ fn write_registration(text: &mut String, report: &Report, found: &RegistrationRe
         chosen.origin,
         100.0 * chosen.share_near
     )?;
+    write_end(text, report)
+}
+
+fn write_views(text: &mut String, report: &Report, found: &ViewsResults) -> std::fmt::Result {
+    let name = |view: usize| {
+        let path = &found.views[view].path;
+        path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+    };
+    writeln!(
+        text,
+        "{} after {} steps: {} views, {} overlapping pairs, started from {}",
+        found.status,
+        found.iterations,
+        found.views.len(),
+        found.pairs.len(),
+        match found.start {
+            "search" => "a search over all positions",
+            "init" => "the poses of --init",
+            _ => "where the views are",
+        }
+    )?;
+    writeln!(text, "  distance  rms {}", plain(found.rms))?;
+    for pair in &found.pairs {
+        let [i, j] = pair.views;
+        writeln!(
+            text,
+            "  pair      {} - {}: rms {} (before {}), {} points, overlap {:.0} % and {:.0} %",
+            name(i),
+            name(j),
+            plain(pair.rms_after),
+            plain(pair.rms_before),
+            pair.count,
+            100.0 * pair.overlap[0],
+            100.0 * pair.overlap[1]
+        )?;
+    }
+    if found.components.len() > 1 {
+        for members in &found.components {
+            let names: Vec<String> = members.iter().map(|&view| name(view)).collect();
+            writeln!(text, "  together  {}", names.join(", "))?;
+        }
+    }
     write_end(text, report)
 }
 

@@ -261,3 +261,18 @@ fn bad_options_and_cancelling() {
         assert!(found.iter().any(|deviation| deviation.outcome == Outcome::Cancelled));
     }
 }
+
+/// A line meets a plane at 60 degrees in twice the height, to rounding: no approximation takes the place of the crossing.
+#[test]
+fn slanted_lines_are_exact() {
+    let range = Interval::new(-9.0, 9.0).unwrap();
+    let plane = Plane::new(frame(), range, range).to_nurbs().unwrap();
+    let nominal = Nominal::from_surfaces(vec![plane]).unwrap();
+    let direction = frame().vector(&Vector3::new(3f64.sqrt() / 2.0, 0.0, 0.5));
+    let options = options().with_along(Along::Direction(direction.into()));
+    let at = |i: u32| Vector3::new(f64::from(i) * 0.1, f64::from(i) * -0.2, (f64::from(i) - 5.0) * 0.01);
+    let points: Vec<_> = (0..11).map(|i| Point3::from(frame().point(&at(i)))).collect();
+    for (i, distance) in (0..11).zip(distances(&nominal, &points, &options)) {
+        assert!((distance - 2.0 * at(i).z).abs() < 1e-14, "{i}: {distance}");
+    }
+}

@@ -38,6 +38,7 @@ mod interval;
 mod jet;
 mod knot_ops;
 mod knots;
+pub mod linear;
 mod measure;
 mod modify;
 mod offset;
@@ -61,7 +62,7 @@ pub use direction::Direction;
 pub use error::Error;
 pub use fit::{
     CurveFitOptions, Fitted, GridOptions, ParameterMethod, SurfaceFitOptions, closed_parameters,
-    grid_parameters, parameters,
+    gauss_legendre, grid_parameters, parameters,
 };
 pub use interval::Interval;
 pub use jet::{CurveJet, SurfaceJet};

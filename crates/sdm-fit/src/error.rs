@@ -14,4 +14,80 @@ pub enum Error {
         /// Points needed.
         needed: usize,
     },
+    /// The points lie so that the shape is not determined.
+    #[error("the points lie {what}: {shape} is not determined by them")]
+    Degenerate {
+        /// The shape that was asked for.
+        shape: &'static str,
+        /// Where the points lie.
+        what: &'static str,
+    },
+    /// An option outside its range.
+    #[error("option {name} is {value}, but must be {allowed}")]
+    Option {
+        /// Its name.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// Points with coordinates that are not finite.
+    #[error("point {index} is not finite, the first of {count}; leave such points out")]
+    NotFinite {
+        /// The first such point.
+        index: usize,
+        /// Their number.
+        count: usize,
+    },
+    /// An array that goes with the points has not one entry per point.
+    #[error("{found} {what} for {points} points")]
+    Length {
+        /// What the array holds.
+        what: &'static str,
+        /// Its length.
+        found: usize,
+        /// Number of points.
+        points: usize,
+    },
+    /// A weight that is negative or not finite.
+    #[error("weight {value} of point {index} is not a finite number of at least 0")]
+    Weight {
+        /// The point.
+        index: usize,
+        /// Its weight.
+        value: f64,
+    },
+    /// Side conditions that contradict each other or name an unknown that does not exist.
+    #[error("side condition {index}: {what}")]
+    Constraint {
+        /// Index of the condition.
+        index: usize,
+        /// What is wrong with it.
+        what: &'static str,
+    },
+    /// A rational shape where one is needed that is linear in its unknowns.
+    #[error("the shape has weights: it is not linear in its unknowns; take one without")]
+    Rational,
+    /// A shape of `nurbs-core` cannot be made.
+    #[error(transparent)]
+    Shape(#[from] nurbs_core::Error),
+    /// The active shape cannot be projected onto.
+    #[error("the active shape cannot be projected onto: {reason}")]
+    Field {
+        /// Why not.
+        reason: String,
+    },
+}
+
+impl From<distance_field::Error> for Error {
+    fn from(error: distance_field::Error) -> Self {
+        Self::Field { reason: error.to_string() }
+    }
+}
+
+impl From<mesh_core::Error> for Error {
+    fn from(error: mesh_core::Error) -> Self {
+        Self::Field { reason: error.to_string() }
+    }
 }

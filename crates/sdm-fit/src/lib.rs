@@ -1,9 +1,49 @@
 //! Active curves and surfaces fitted to clouds and shapes by quadratic models of the squared distance.
 //!
 //! One loop serves all shapes and all error terms (\[P05, sec. 4\]): footpoints give quadratic models of the squared
-//! distance, their sum and a smoothing energy are minimised in the control points, and again.
+//! distance, their sum and a smoothing energy are minimised in the control points, and again. [`fit()`] is that loop. A shape
+//! enters it as an [`ActiveShape`], the data as a [`Target`]; point, tangent and squared distance minimisation differ in the
+//! [`ErrorTerm`](distance_field::ErrorTerm) only.
+//!
+//! ```
+//! use nalgebra::Vector2;
+//! use nurbs_core::{BsplineCurve, KnotVector};
+//! use sdm_fit::{ActiveCurve, Constraints, FitOptions, Target, fit};
+//!
+//! // A closed curve of eight control points, from a circle to an ellipse.
+//! let turn = |i: usize, n: usize| std::f64::consts::TAU * i as f64 / n as f64;
+//! let circle = (0..11).map(|i| Vector2::new(turn(i, 8).cos(), turn(i, 8).sin()) * 2.0).collect();
+//! let start = BsplineCurve::new(KnotVector::uniform_periodic(3, 8)?, circle, None)?;
+//! let ellipse: Vec<_> = (0..60).map(|i| Vector2::new(3.0 * turn(i, 60).cos(), turn(i, 60).sin())).collect();
+//!
+//! let target = Target::Points { points: &ellipse, weights: None };
+//! let fitted = fit(ActiveCurve::new(start)?, target, &Constraints::none(), &FitOptions::default())?;
+//! assert!(fitted.report.rms < 0.01, "{}", fitted.report);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
+mod assemble;
+mod constraint;
+mod curve;
 mod error;
+mod iterate;
+mod layout;
+mod options;
+mod parallel;
 pub mod primitive;
+mod report;
+mod shape;
+mod smoothing;
+mod status;
+mod target;
+mod weights;
 
+pub use constraint::{Constraints, LinearCondition};
+pub use curve::ActiveCurve;
 pub use error::Error;
+pub use iterate::{Progress, fit, fit_with_progress, no_progress};
+pub use options::{FitOptions, FootpointPolicy, Robust, Smoothing, StepControl};
+pub use report::{FitReport, Fitted, StepRecord};
+pub use shape::{ActiveShape, CellGram, CellTable};
+pub use status::Status;
+pub use target::Target;

@@ -3,8 +3,9 @@
 use crate::iterate::{History, Outcome, Problem, Stage};
 use crate::source::Prepared;
 use crate::view::View;
-use crate::weights::{Kernel, Outliers, Rule, Spread, Weighting};
+use crate::weights::{Kernel, Outliers, Rule, Weighting};
 use crate::{Method, Pose, Status};
+use distance_field::Spread;
 use std::borrow::Cow;
 
 /// What may be left of the motion in a stage that only has to come near, as a share of the size of the cloud.

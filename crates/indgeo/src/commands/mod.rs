@@ -6,6 +6,8 @@ pub(crate) mod info;
 pub(crate) mod inspect;
 pub(crate) mod project;
 pub(crate) mod register;
+pub(crate) mod register_views;
+pub(crate) mod selftest;
 
 use crate::args::{Command, Common};
 use crate::error::Error;
@@ -42,8 +44,10 @@ pub(crate) fn run(command: &Command, common: &Common, report: &mut Report) -> Re
         Command::Project(args) => project::run(args, common, report),
         Command::Inspect(args) => inspect::run(args, common, report),
         Command::Register(args) => register::run(args, common, report),
+        Command::RegisterViews(args) => register_views::run(args, common, report),
         Command::Convert(args) => convert::run(args, report),
         Command::Info(args) => info::run(args, report),
         Command::Demo(args) => demo::run(args, common, report),
+        Command::Selftest(_) => selftest::run(common, report),
     }
 }

@@ -16,6 +16,8 @@ const MAX_STEPS: usize = 400;
 const MAX_ITERATIONS: usize = 30;
 /// Share of the size of the model that counts as nothing.
 const NOTHING: f64 = 1e-10;
+/// How far from a point of the line that is within nothing of the shape a crossing may be, in units of nothing.
+const CLOSE_BY: f64 = 1e4;
 /// Share of the offset of a crossing within which another one may be nearer.
 const RELATIVE_SLACK: f64 = 1e-7;
 
@@ -149,15 +151,19 @@ impl<T: Traceable> Line<'_, T> {
             };
             let offset = if sense == 0 { -passed[0] } else { passed[1] };
             let Some(near) = self.surfaces.near(&(self.x + self.direction * offset)) else { break };
-            if let Some(hit) = self.newton(&near)
+            let crossing = self.newton(&near);
+            if let Some(hit) = crossing
                 && (start - slack..=end + slack).contains(&hit.offset)
                 && best.is_none_or(|best| hit.offset.abs() < best.offset.abs())
             {
                 best = Some(hit);
             }
             if near.bound <= self.nothing {
-                // The line touches the shape here: if Newton's method finds no crossing, this is the point.
-                if best.is_none_or(|hit| hit.offset.abs() > passed[sense] + self.nothing) {
+                // The line meets the shape here, or touches it: if Newton's method finds no crossing close by, where a
+                // flat angle delays it, this is the point.
+                let is_crossed =
+                    crossing.is_some_and(|hit| (hit.offset - offset).abs() <= CLOSE_BY * self.nothing);
+                if !is_crossed && best.is_none_or(|hit| hit.offset.abs() > passed[sense] + self.nothing) {
                     let jet = self.surfaces.jet(near.shape, near.parameter);
                     let distance = (self.x + self.direction * offset - near.point).norm();
                     if distance <= self.nothing {

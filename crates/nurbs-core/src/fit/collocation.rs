@@ -1,6 +1,6 @@
 //! Interpolation conditions as a square linear system.
 
-use super::linear::{Sparse, solve_general};
+use crate::linear::{Sparse, solve_general};
 use crate::{Error, KnotVector, MAX_DEGREE, basis};
 
 /// Coefficients this much larger than the data mean that the system is singular up to rounding.

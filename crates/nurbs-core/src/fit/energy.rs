@@ -1,6 +1,6 @@
 //! The bending energy of spline curves and surfaces, exactly.
 
-use super::gauss::rule;
+use super::gauss::gauss_legendre;
 use super::normal::Block;
 use super::observations::Space;
 use crate::{KnotVector, MAX_DEGREE, basis};
@@ -15,7 +15,7 @@ struct SpanGrams {
 fn span_grams(knots: &KnotVector) -> Vec<SpanGrams> {
     let p = knots.degree();
     let length = knots.domain().length();
-    let nodes = rule(p + 1);
+    let nodes = gauss_legendre(p + 1);
     let grams = |span: usize| {
         let interval = knots.span_interval(span);
         let mut order = [(); 3].map(|()| vec![0.0; (p + 1) * (p + 1)]);

@@ -4,7 +4,7 @@
 ///
 /// The nodes are the zeros of the Legendre polynomial, found by Newton's method from Tricomi's
 /// approximation.
-pub(crate) fn rule(n: usize) -> Vec<(f64, f64)> {
+pub fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
     let count = n as f64;
     (0..n)
         .map(|i| {
@@ -28,13 +28,14 @@ pub(crate) fn rule(n: usize) -> Vec<(f64, f64)> {
 
 #[cfg(test)]
 mod tests {
-    use super::rule;
+    use super::gauss_legendre;
 
     #[test]
     fn integrates_polynomials_exactly() {
         for n in 1..=26 {
             for degree in 0..2 * n {
-                let sum: f64 = rule(n).iter().map(|(x, w)| w * x.powi(i32::try_from(degree).unwrap())).sum();
+                let sum: f64 =
+                    gauss_legendre(n).iter().map(|(x, w)| w * x.powi(i32::try_from(degree).unwrap())).sum();
                 let exact = 1.0 / (degree as f64 + 1.0);
                 assert!((sum - exact).abs() < 1e-14, "{n} {degree}: {sum} {exact}");
             }

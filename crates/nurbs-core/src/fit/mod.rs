@@ -7,7 +7,6 @@ mod energy;
 mod gauss;
 mod grid;
 mod interpolate;
-mod linear;
 mod normal;
 mod observations;
 mod parameters;
@@ -17,6 +16,7 @@ mod report;
 mod surface;
 
 pub use curve::CurveFitOptions;
+pub use gauss::gauss_legendre;
 pub use grid::GridOptions;
 pub use parameters::{ParameterMethod, closed_parameters, grid_parameters, parameters};
 pub(crate) use project::project;

@@ -1,8 +1,8 @@
 //! Normal equations: least squares with fixed coefficients and a quadratic energy.
 
-use super::linear::{Cholesky, Sparse};
 use super::observations::{Observations, Space};
 use crate::Error;
+use crate::linear::{Cholesky, Sparse};
 use std::collections::BTreeMap;
 
 /// Below this smallest eigenvalue of the matrix with unit diagonal the data do not determine the shape.

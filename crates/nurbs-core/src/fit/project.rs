@@ -1,6 +1,6 @@
 //! Least squares projection of a spline onto another spline space.
 
-use super::gauss::rule;
+use super::gauss::gauss_legendre;
 use super::normal;
 use super::observations::{Observations, Space};
 use crate::modify::rows::ControlRows;
@@ -23,7 +23,7 @@ pub(crate) fn project(rows: &ControlRows, target: KnotVector) -> Result<ControlR
         }
         sum
     };
-    let nodes = rule(p + 1);
+    let nodes = gauss_legendre(p + 1);
     let (mut parameters, mut weights, mut values) = (Vec::new(), Vec::new(), Vec::new());
     for span in knots.spans() {
         let interval = knots.span_interval(span);

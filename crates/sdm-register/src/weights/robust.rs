@@ -1,7 +1,6 @@
 //! How outliers are dealt with, and the rule that one step goes by.
 
-use super::scale::quantile_in_place;
-use super::{Kernel, Spread};
+use distance_field::{Kernel, Spread, quantile_in_place};
 
 /// What is assumed about points that do not belong to the shape.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]

@@ -4,12 +4,12 @@
 const NORMAL_MEDIAN: f64 = 0.674_489_750_196_082;
 
 /// The median of some numbers, the lower one of two; 0 of none. Reorders them.
-pub(crate) fn median_in_place(values: &mut [f64]) -> f64 {
+fn median_in_place(values: &mut [f64]) -> f64 {
     quantile_in_place(values, 0.5)
 }
 
 /// The value below which a share of the numbers lies; 0 of none. Reorders them.
-pub(crate) fn quantile_in_place(values: &mut [f64], share: f64) -> f64 {
+pub fn quantile_in_place(values: &mut [f64], share: f64) -> f64 {
     if values.is_empty() {
         return 0.0;
     }
@@ -20,9 +20,9 @@ pub(crate) fn quantile_in_place(values: &mut [f64], share: f64) -> f64 {
 
 /// The spread of distances whose inliers are normally distributed about 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Spread {
+pub struct Spread {
     /// Standard deviation of the inliers.
-    pub(crate) sigma: f64,
+    pub sigma: f64,
 }
 
 impl Spread {
@@ -31,7 +31,8 @@ impl Spread {
     ///
     /// From above the interval is narrowed to `width` standard deviations until it stays; the outliers in the interval
     /// then are those few that lie there by chance. Reorders the numbers.
-    pub(crate) fn of(distances: &mut [f64], width: f64) -> Self {
+    #[must_use]
+    pub fn of(distances: &mut [f64], width: f64) -> Self {
         let mut kept = distances.len();
         let mut sigma = f64::INFINITY;
         for _ in 0..50 {

@@ -1,16 +1,34 @@
-//! Sparse factorizations: the only file that knows the linear algebra library.
+//! Sparse symmetric positive definite systems, for fits of all kinds: the only file that knows the linear algebra
+//! library.
 //!
-//! Everything runs sequentially, so that the same input gives the same bits.
+//! A [`Pattern`] is analysed once; a matrix with new values on the same pattern is then only factored
+//! ([`Pattern::factor`]). Everything runs sequentially, so that the same input gives the same bits.
+//!
+//! ```
+//! use nurbs_core::linear::{Pattern, Sparse};
+//!
+//! let mut lower = Sparse::with_pattern(vec![vec![0, 1], vec![1]]);
+//! lower.add(0, 0, 2.0);
+//! lower.add(1, 0, 1.0);
+//! lower.add(1, 1, 2.0);
+//! let pattern = Pattern::new(&lower).ok_or("too large")?;
+//! let mut x = [3.0, 3.0];
+//! assert!(pattern.factor(&lower).ok_or("indefinite")?.solve(&mut x));
+//! assert!((x[0] - 1.0).abs() < 1e-15 && (x[1] - 1.0).abs() < 1e-15);
+//! # Ok::<(), &str>(())
+//! ```
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::linalg::cholesky::{self, LltRef, SymbolicCholesky, SymmetricOrdering};
 use faer::sparse::linalg::lu::{self, NumericLu};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side};
+use std::sync::Arc;
 
 /// A square sparse matrix, columns compressed; a symmetric one holds its lower triangle only.
 #[derive(Clone, Debug)]
-pub(crate) struct Sparse {
+pub struct Sparse {
+    /// Number of rows and of columns.
     pub(crate) size: usize,
     /// Where each column starts; one more entry than columns.
     pub(crate) starts: Vec<usize>,
@@ -22,7 +40,8 @@ pub(crate) struct Sparse {
 
 impl Sparse {
     /// A matrix of zeros with the given rows in each column (any order, repetitions allowed).
-    pub(crate) fn with_pattern(columns: Vec<Vec<usize>>) -> Self {
+    #[must_use]
+    pub fn with_pattern(columns: Vec<Vec<usize>>) -> Self {
         let size = columns.len();
         let mut starts = Vec::with_capacity(size + 1);
         let mut rows = Vec::new();
@@ -37,8 +56,37 @@ impl Sparse {
         Self { size, starts, rows, values }
     }
 
+    /// Number of rows and of columns.
+    #[must_use]
+    pub fn size(&self) -> usize {
+        self.size
+    }
+
+    /// The values of all entries, column after column, in each by increasing row.
+    #[must_use]
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// The same, for writing.
+    pub fn values_mut(&mut self) -> &mut [f64] {
+        &mut self.values
+    }
+
+    /// The rows of the entries of a column, increasing.
+    #[must_use]
+    pub fn rows(&self, column: usize) -> &[usize] {
+        &self.rows[self.starts[column]..self.starts[column + 1]]
+    }
+
+    /// Where among all [`values`](Self::values) an entry stands, if it belongs to the pattern.
+    #[must_use]
+    pub fn place(&self, row: usize, column: usize) -> Option<usize> {
+        self.rows(column).binary_search(&row).ok().map(|k| self.starts[column] + k)
+    }
+
     /// Adds to an entry of the pattern; an entry outside it is ignored.
-    pub(crate) fn add(&mut self, row: usize, column: usize, value: f64) {
+    pub fn add(&mut self, row: usize, column: usize, value: f64) {
         let range = self.starts[column]..self.starts[column + 1];
         if let Ok(k) = self.rows[range.clone()].binary_search(&row) {
             self.values[range.start + k] += value;
@@ -52,30 +100,50 @@ impl Sparse {
     }
 }
 
-/// `A = L Lᵀ` of a positive definite matrix.
-#[derive(Debug)]
-pub(crate) struct Cholesky {
-    symbolic: SymbolicCholesky<usize>,
-    values: Vec<f64>,
+/// The places of the entries of a symmetric matrix, analysed: an order of elimination that keeps factors sparse, and the
+/// places of the entries of the factors.
+#[derive(Clone, Debug)]
+pub struct Pattern {
+    symbolic: Arc<SymbolicCholesky<usize>>,
 }
 
-impl Cholesky {
-    /// `None` when the matrix is not positive definite (or too large for the memory).
-    pub(crate) fn new(lower: &Sparse) -> Option<Self> {
-        let a = lower.view();
+impl Pattern {
+    /// Analyses the places of the entries of a matrix, of which only the lower triangle is given.
+    ///
+    /// `None` when it is too large for the memory.
+    #[must_use]
+    pub fn new(lower: &Sparse) -> Option<Self> {
         let symbolic = cholesky::factorize_symbolic_cholesky(
-            a.symbolic(),
+            lower.view().symbolic(),
             Side::Lower,
             SymmetricOrdering::Amd,
             Default::default(),
         )
         .ok()?;
+        Some(Self { symbolic: Arc::new(symbolic) })
+    }
+
+    /// Number of entries of a factor.
+    #[must_use]
+    pub fn factor_len(&self) -> usize {
+        self.symbolic.len_val()
+    }
+
+    /// `A = L Lᵀ` of a matrix with entries in these places.
+    ///
+    /// `None` when it is not positive definite, has another size, or memory is short.
+    #[must_use]
+    pub fn factor(&self, lower: &Sparse) -> Option<Cholesky> {
+        let symbolic = &self.symbolic;
+        if lower.size != symbolic.nrows() {
+            return None;
+        }
         let mut values = vec![0.0; symbolic.len_val()];
         let scratch = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
         let mut buffer = MemBuffer::try_new(scratch).ok()?;
         let outcome = symbolic.factorize_numeric_llt(
             &mut values,
-            a,
+            lower.view(),
             Side::Lower,
             Default::default(),
             Par::Seq,
@@ -83,11 +151,29 @@ impl Cholesky {
             Default::default(),
         );
         outcome.ok()?;
-        Some(Self { symbolic, values })
+        Some(Cholesky { symbolic: Arc::clone(symbolic), values })
+    }
+}
+
+/// `A = L Lᵀ` of a positive definite matrix.
+#[derive(Clone, Debug)]
+pub struct Cholesky {
+    symbolic: Arc<SymbolicCholesky<usize>>,
+    values: Vec<f64>,
+}
+
+impl Cholesky {
+    /// Analyses and factors a matrix, of which only the lower triangle is given.
+    ///
+    /// `None` when it is not positive definite (or too large for the memory).
+    #[must_use]
+    pub fn new(lower: &Sparse) -> Option<Self> {
+        Pattern::new(lower)?.factor(lower)
     }
 
     /// Solves for all columns of `rhs` (column after column) in place; `false` without memory.
-    pub(crate) fn solve(&self, rhs: &mut [f64]) -> bool {
+    #[must_use]
+    pub fn solve(&self, rhs: &mut [f64]) -> bool {
         let n = self.symbolic.nrows();
         let columns = rhs.len().checked_div(n).unwrap_or(0);
         let scratch = self.symbolic.solve_in_place_scratch::<f64>(columns, Par::Seq);

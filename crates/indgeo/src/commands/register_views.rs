@@ -1,0 +1,108 @@
+//! `indgeo register-views`: many scans of one object, all at once.
+
+use super::Outcome;
+use crate::args::Common;
+use crate::error::Error;
+use crate::registering_views::{self, Job, Start, outputs};
+use crate::report::Report;
+use crate::summary;
+use clap::ValueEnum;
+use industrial_geometry::register::views::ViewsOptions;
+use std::path::{Path, PathBuf};
+
+/// Move many scans of one object to where they fit each other best
+///
+/// All overlapping pairs are taken into account at once, so that errors do not add up along a chain of scans and loops
+/// close. The first view stays where it is. The result is every moved view, and a file with the poses.
+#[derive(Debug, clap::Args)]
+#[command(after_long_help = AFTER_HELP)]
+pub(crate) struct Args {
+    /// The scans, at least two: clouds, or meshes whose vertices are the scanned points
+    #[arg(required = true, num_args = 2.., value_name = "VIEW")]
+    views: Vec<PathBuf>,
+    /// Folder for the moved views, which keep their names and formats, and for poses.json; made if it does not exist
+    #[arg(long, short, value_name = "DIR")]
+    out: PathBuf,
+    /// Start from the poses in FILE, one per view (JSON, 4 x 4 row by row); poses.json of an earlier run serves as well
+    #[arg(long, value_name = "FILE", conflicts_with = "start")]
+    init: Option<PathBuf>,
+    /// Where to start when there is no --init
+    #[arg(long, value_enum, default_value_t = StartChoice::Auto)]
+    start: StartChoice,
+    /// Points of each view that are matched with the other views
+    #[arg(long, value_name = "N", default_value_t = ViewsOptions::default().points_per_view)]
+    points_per_view: usize,
+    /// Neighbours to which the surface around a point is fitted; more are better on noisy scans
+    #[arg(long, value_name = "N", default_value_t = ViewsOptions::default().neighbours)]
+    neighbours: usize,
+    /// Largest distance of matched points at the start, as a share of the diagonal of a view
+    #[arg(long, value_name = "SHARE", default_value_t = ViewsOptions::default().max_distance)]
+    max_distance: f64,
+    /// Largest angle between the normals of matched points, degrees
+    #[arg(long, value_name = "DEGREES", default_value_t = 45.0)]
+    max_angle: f64,
+    /// Share of a view that another one must cover for the two to be linked
+    #[arg(long, value_name = "SHARE", default_value_t = ViewsOptions::default().min_overlap)]
+    min_overlap: f64,
+    /// The normals of all views point to the same side of the surface: their signs count
+    #[arg(long)]
+    oriented: bool,
+    /// Most steps
+    #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u16).range(1..))]
+    max_iterations: u16,
+}
+
+/// Where to start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum StartChoice {
+    /// From where the views are; if they do not come to fit, a search over all positions as well
+    Auto,
+    /// From where the views are
+    Given,
+    /// Search over all positions
+    Global,
+}
+
+const AFTER_HELP: &str = "\
+poses.json: {\"status\": ..., \"rms\": ..., \"views\": [{\"path\": ..., \"matrix\": 4 x 4 row by row (common frame = matrix * view),
+\"rotation\": {\"quaternion\": [w,x,y,z], \"axis\": [x,y,z], \"angle\": radians}, \"translation\": [x,y,z], \"covariance\": {...} or
+null}, ...], \"pairs\": [{\"views\": [i, j], \"overlap\": [share of i, share of j], \"count\": matched points, \"rms_before\": ...,
+\"rms_after\": ...}, ...], \"components\": [[views that hang together], ...], ...}. Views are numbered from 0.
+
+Files appear in DIR all together at the end, or not at all.
+Exit status 0: converged; 1: not converged, views that overlap with no other, or views that can slide along each other
+(\"underdetermined\"; files are written nevertheless); 2: bad input or usage.
+
+Examples:
+  indgeo register-views scan1.ply scan2.ply scan3.ply -o aligned
+  indgeo register-views scans/*.ply -o aligned --start global --json report.json
+  indgeo register-views scans/*.ply -o aligned --init turntable.json --neighbours 40";
+
+impl Args {
+    /// The files that are read, and those that are written.
+    pub(crate) fn files(&self) -> (Vec<&Path>, Vec<PathBuf>) {
+        let read = self.views.iter().chain(&self.init).map(PathBuf::as_path).collect();
+        (read, outputs(&self.views, &self.out))
+    }
+}
+
+/// Runs the command.
+pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<Outcome, Error> {
+    let start = match (&args.init, args.start) {
+        (Some(file), _) => Start::Poses(file),
+        (None, StartChoice::Given) => Start::Given,
+        (None, StartChoice::Auto) => Start::Auto,
+        (None, StartChoice::Global) => Start::Global,
+    };
+    let options = ViewsOptions::default()
+        .with_points_per_view(args.points_per_view)
+        .with_neighbours(args.neighbours)
+        .with_max_distance(args.max_distance)
+        .with_max_angle(args.max_angle.to_radians())
+        .with_min_overlap(args.min_overlap)
+        .with_oriented(args.oriented)
+        .with_max_iterations(usize::from(args.max_iterations));
+    let job = Job { views: &args.views, out: &args.out, start, options, quiet: common.quiet };
+    let converged = registering_views::run(&job, report)?;
+    Ok(Outcome::new(summary::of(report), converged))
+}

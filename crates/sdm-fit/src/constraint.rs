@@ -1,0 +1,306 @@
+//! Linear side conditions on the unknowns.
+
+use crate::Error;
+use crate::layout::Factor;
+use crate::shape::ActiveShape;
+use nalgebra::{DMatrix, DVector, SVector};
+use std::collections::BTreeMap;
+
+/// Share of the largest singular value below which conditions depend on each other.
+const DEPENDENT: f64 = 1e-12;
+/// What may be left of a condition, as a share of its coefficients, before it counts as contradictory.
+const CONTRADICTION: f64 = 1e-6;
+
+/// `Σ ⟨aⱼ, dⱼ⟩ = value`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LinearCondition<const D: usize> {
+    /// Coefficients of the shape with their factors `aⱼ`.
+    pub terms: Vec<(usize, SVector<f64, D>)>,
+    /// The right hand side.
+    pub value: f64,
+}
+
+/// Side conditions of a fit: coefficients that stay, and linear equations.
+///
+/// Conditions may depend on each other but not contradict. Their cost is that of one solution of the system for each
+/// equation; held coefficients cost nothing.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Constraints<const D: usize> {
+    /// Coefficients with a given place.
+    pub held: BTreeMap<usize, SVector<f64, D>>,
+    /// Equations between the others.
+    pub conditions: Vec<LinearCondition<D>>,
+}
+
+impl<const D: usize> Constraints<D> {
+    /// No side conditions.
+    #[must_use]
+    pub fn none() -> Self {
+        Self { held: BTreeMap::new(), conditions: Vec::new() }
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.held.is_empty() && self.conditions.is_empty()
+    }
+
+    /// Gives a coefficient its place.
+    #[must_use]
+    pub fn with_held(mut self, coefficient: usize, place: SVector<f64, D>) -> Self {
+        self.held.insert(coefficient, place);
+        self
+    }
+
+    /// The shape passes through a point at a parameter.
+    #[must_use]
+    pub fn with_point<S: ActiveShape<D>>(
+        mut self,
+        shape: &S,
+        parameter: [f64; 2],
+        point: &SVector<f64, D>,
+    ) -> Self {
+        let cell = shape.cell(parameter);
+        let columns = shape.cells().columns(cell);
+        let mut values = vec![0.0; columns.len()];
+        shape.basis(parameter, cell, &mut values);
+        for c in 0..D {
+            let axis = SVector::from_fn(|i, _| if i == c { 1.0 } else { 0.0 });
+            let terms = columns.iter().zip(&values).filter(|(_, v)| **v != 0.0);
+            let terms = terms.map(|(&column, &v)| (column, axis * v)).collect();
+            self.conditions.push(LinearCondition { terms, value: point[c] });
+        }
+        self
+    }
+
+    /// The difference of two coefficients is parallel to a direction (not 0), as at the end of a clamped curve whose
+    /// tangent is given.
+    #[must_use]
+    pub fn with_direction(mut self, from: usize, to: usize, direction: &SVector<f64, D>) -> Self {
+        for normal in normals(direction) {
+            self.conditions.push(LinearCondition { terms: vec![(to, normal), (from, -normal)], value: 0.0 });
+        }
+        self
+    }
+
+    /// A coefficient stays in the plane `⟨normal, d⟩ = offset` (a line in the plane).
+    #[must_use]
+    pub fn with_plane(mut self, coefficient: usize, normal: SVector<f64, D>, offset: f64) -> Self {
+        self.conditions.push(LinearCondition { terms: vec![(coefficient, normal)], value: offset });
+        self
+    }
+
+    /// Coefficients lie in one plane with the given normal, whose height is free (\[P05, sec. 4.5\], layers).
+    #[must_use]
+    pub fn with_parallel(mut self, coefficients: &[usize], normal: SVector<f64, D>) -> Self {
+        for pair in coefficients.windows(2) {
+            let terms = vec![(pair[1], normal), (pair[0], -normal)];
+            self.conditions.push(LinearCondition { terms, value: 0.0 });
+        }
+        self
+    }
+
+    /// Two coefficients are mirror images in the plane `⟨normal, d⟩ = offset` (`normal` of length 1); one that is its own
+    /// image lies in it.
+    #[must_use]
+    pub fn with_mirror(mut self, first: usize, second: usize, normal: SVector<f64, D>, offset: f64) -> Self {
+        if first == second {
+            return self.with_plane(first, normal, offset);
+        }
+        // Equal along the plane, opposite across it.
+        for tangent in normals(&normal) {
+            self.conditions
+                .push(LinearCondition { terms: vec![(first, tangent), (second, -tangent)], value: 0.0 });
+        }
+        self.conditions
+            .push(LinearCondition { terms: vec![(first, normal), (second, normal)], value: 2.0 * offset });
+        self
+    }
+}
+
+/// Orthonormal vectors normal to a direction.
+fn normals<const D: usize>(direction: &SVector<f64, D>) -> Vec<SVector<f64, D>> {
+    let mut known: Vec<SVector<f64, D>> = direction.try_normalize(0.0).into_iter().collect();
+    let given = known.len();
+    let mut axes: Vec<usize> = (0..D).collect();
+    // The axes furthest from the direction first.
+    axes.sort_by(|&a, &b| direction[a].abs().total_cmp(&direction[b].abs()));
+    for axis in axes.into_iter().take(D - given) {
+        let mut v = SVector::from_fn(|i, _| if i == axis { 1.0 } else { 0.0 });
+        for _ in 0..2 {
+            for other in &known {
+                v -= other * other.dot(&v);
+            }
+        }
+        known.extend(v.try_normalize(1e-9));
+    }
+    known.split_off(given)
+}
+
+/// Side conditions made ready for the loop.
+#[derive(Clone, Debug)]
+pub(crate) struct Prepared<const D: usize> {
+    /// Whether each unknown (coefficient by coefficient) is held; empty if none is.
+    pub(crate) fixed: Vec<bool>,
+    conditions: Vec<LinearCondition<D>>,
+}
+
+impl<const D: usize> Prepared<D> {
+    /// Checks conditions and moves the coefficients of a shape to where all of them hold, as little as possible.
+    pub(crate) fn new(
+        constraints: &Constraints<D>,
+        coefficients: &mut [SVector<f64, D>],
+    ) -> Result<Self, Error> {
+        let count = coefficients.len();
+        let mut fixed = Vec::new();
+        for (index, (&i, place)) in constraints.held.iter().enumerate() {
+            if i >= count || place.iter().any(|c| !c.is_finite()) {
+                return Err(Error::Constraint { index, what: "no such coefficient, or no finite place" });
+            }
+            fixed.resize(count * D, false);
+            fixed[i * D..(i + 1) * D].fill(true);
+            coefficients[i] = *place;
+        }
+        let mut conditions = constraints.conditions.clone();
+        for (index, condition) in conditions.iter_mut().enumerate() {
+            let finite = condition.value.is_finite()
+                && condition.terms.iter().all(|(i, a)| *i < count && a.iter().all(|c| c.is_finite()));
+            if !finite {
+                return Err(Error::Constraint {
+                    index,
+                    what: "a coefficient does not exist, or a number is not finite",
+                });
+            }
+            let scale = condition.terms.iter().map(|(_, a)| a.norm_squared()).sum::<f64>().sqrt();
+            if scale == 0.0 {
+                return Err(Error::Constraint { index, what: "all factors are 0" });
+            }
+            condition.value /= scale;
+            condition.terms.iter_mut().for_each(|(_, a)| *a /= scale);
+        }
+        let prepared = Self { fixed, conditions };
+        prepared.satisfy(coefficients)?;
+        Ok(prepared)
+    }
+
+    pub(crate) fn has_conditions(&self) -> bool {
+        !self.conditions.is_empty()
+    }
+
+    fn is_fixed(&self, coefficient: usize) -> bool {
+        self.fixed.get(coefficient * D).copied().unwrap_or(false)
+    }
+
+    fn satisfy(&self, coefficients: &mut [SVector<f64, D>]) -> Result<(), Error> {
+        if self.conditions.is_empty() {
+            return Ok(());
+        }
+        let columns: Vec<_> =
+            (0..self.conditions.len()).map(|k| self.column(k, coefficients.len())).collect();
+        let schur = DMatrix::from_fn(columns.len(), columns.len(), |i, j| self.apply(i, &columns[j]));
+        let open = self.open(coefficients);
+        let factors = solve_dependent(schur, &open);
+        for (column, factor) in columns.iter().zip(&factors) {
+            coefficients.iter_mut().zip(column).for_each(|(d, a)| *d += a * *factor);
+        }
+        let size = coefficients.iter().map(|d| d.norm()).fold(0.0, f64::max).max(open.amax());
+        let left = self.open(coefficients);
+        match left.iter().position(|x| x.abs() > CONTRADICTION * size) {
+            Some(index) => Err(Error::Constraint { index, what: "it contradicts others" }),
+            None => Ok(()),
+        }
+    }
+
+    /// What is missing to each condition.
+    fn open(&self, coefficients: &[SVector<f64, D>]) -> DVector<f64> {
+        let values = self.conditions.iter().map(|condition| {
+            condition.terms.iter().fold(condition.value, |rest, (i, a)| rest - a.dot(&coefficients[*i]))
+        });
+        DVector::from_iterator(self.conditions.len(), values)
+    }
+
+    /// The factors of a condition as a vector of coefficients, held ones left out.
+    fn column(&self, condition: usize, count: usize) -> Vec<SVector<f64, D>> {
+        let mut out = vec![SVector::zeros(); count];
+        for (i, a) in &self.conditions[condition].terms {
+            if !self.is_fixed(*i) {
+                out[*i] += a;
+            }
+        }
+        out
+    }
+
+    fn apply(&self, condition: usize, x: &[SVector<f64, D>]) -> f64 {
+        let terms = self.conditions[condition].terms.iter();
+        terms.filter(|(i, _)| !self.is_fixed(*i)).map(|(i, a)| a.dot(&x[*i])).sum()
+    }
+
+    /// The step that solves the factored system under the side conditions; `coefficients` are those before the step.
+    ///
+    /// With `x₀ = A⁻¹ b` and `Y = A⁻¹ Cᵀ` it is `x₀ − Y μ`, `(C Y) μ = C x₀ − g`.
+    pub(crate) fn solve(
+        &self,
+        factor: &Factor,
+        vector: &[SVector<f64, D>],
+        coefficients: &[SVector<f64, D>],
+    ) -> Option<Vec<SVector<f64, D>>> {
+        let mut rhs = vector.to_vec();
+        for (_, v) in rhs.iter_mut().enumerate().filter(|(i, _)| self.is_fixed(*i)) {
+            *v = SVector::zeros();
+        }
+        let mut step = factor.solve(&rhs)?;
+        if self.conditions.is_empty() {
+            return Some(step);
+        }
+        let columns: Option<Vec<_>> =
+            (0..self.conditions.len()).map(|k| factor.solve(&self.column(k, rhs.len()))).collect();
+        let columns = columns?;
+        let schur = DMatrix::from_fn(columns.len(), columns.len(), |i, j| self.apply(i, &columns[j]));
+        let open = self.open(coefficients);
+        let excess = DVector::from_fn(columns.len(), |i, _| self.apply(i, &step) - open[i]);
+        let factors = solve_dependent(schur, &excess);
+        for (column, factor) in columns.iter().zip(&factors) {
+            step.iter_mut().zip(column).for_each(|(s, y)| *s -= y * *factor);
+        }
+        Some(step)
+    }
+}
+
+/// Solves a symmetric positive semidefinite system whose equations may depend on each other.
+fn solve_dependent(matrix: DMatrix<f64>, rhs: &DVector<f64>) -> Vec<f64> {
+    let eigen = matrix.symmetric_eigen();
+    let largest = eigen.eigenvalues.amax();
+    let mut inner = eigen.eigenvectors.tr_mul(rhs);
+    for (x, value) in inner.iter_mut().zip(eigen.eigenvalues.iter()) {
+        *x = if *value > DEPENDENT * largest { *x / value } else { 0.0 };
+    }
+    (&eigen.eigenvectors * inner).iter().copied().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{Vector2, Vector3};
+
+    #[test]
+    fn normals_complete_a_direction() {
+        let direction = Vector3::new(1.0, 2.0, -0.5);
+        let found = normals(&direction);
+        assert_eq!(found.len(), 2);
+        assert!(found.iter().all(|n| n.dot(&direction).abs() < 1e-14 && (n.norm() - 1.0).abs() < 1e-14));
+        assert!(found[0].dot(&found[1]).abs() < 1e-14);
+    }
+
+    #[test]
+    fn contradictions_are_found() {
+        let plane = |offset| Constraints::none().with_plane(0, Vector2::x(), offset);
+        let mut twice = plane(1.0);
+        twice.conditions.extend(plane(1.0).conditions);
+        let mut places = [Vector2::new(0.0, 5.0)];
+        assert!(Prepared::new(&twice, &mut places).is_ok());
+        assert!((places[0] - Vector2::new(1.0, 5.0)).norm() < 1e-12);
+        twice.conditions.extend(plane(2.0).conditions);
+        assert!(matches!(Prepared::new(&twice, &mut places), Err(Error::Constraint { .. })));
+        assert!(Prepared::new(&plane(f64::NAN), &mut places).is_err());
+    }
+}

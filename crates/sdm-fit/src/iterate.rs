@@ -1,0 +1,408 @@
+//! The loop: footpoints, quadratic models, a sparse linear system, a controlled step, again.
+
+use crate::assemble::{Normal, assemble};
+use crate::constraint::{Constraints, Prepared};
+use crate::layout::{Blocks, Layout};
+use crate::options::{FitOptions, FootpointPolicy, StepControl};
+use crate::report::{FitReport, Fitted, StepRecord};
+use crate::shape::ActiveShape;
+use crate::smoothing::{Schedule, wanted};
+use crate::target::{Feet, Samples, Target};
+use crate::weights::{measure, weights};
+use crate::{Error, Status};
+use distance_field::{ErrorTerm, Search};
+use nalgebra::SVector;
+use std::ops::ControlFlow;
+
+/// Called after each iteration; may cancel.
+pub type Progress<'a> = &'a (dyn Fn(&StepRecord) -> ControlFlow<()> + Sync);
+
+/// A progress callback that does nothing.
+///
+/// # Errors
+/// Never breaks.
+pub fn no_progress(_: &StepRecord) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+/// Displacement as a share of the size up to which footpoints are followed from the last ones.
+const NEAR: f64 = 0.02;
+/// Iterations after which they are found anew all the same.
+const REFRESH: usize = 5;
+/// Share of the promised decrease that a step must bring (Armijo), and the shortest step.
+const DECREASE: f64 = 1e-4;
+const SHORTEST: f64 = 1e-6;
+/// First damping of Levenberg and Marquardt as a share of the mean of the diagonal, and the last.
+const DAMPING: [f64; 2] = [1e-4, 1e8];
+/// Least damping: what rounding leaves of a direction in which nothing changes.
+const LEAST: f64 = 1e-13;
+/// Largest lift of a matrix that is not positive definite.
+const LIFT: f64 = 10.0;
+/// A shape this much larger than the first one and the data has run away.
+const AWAY: f64 = 1e3;
+/// Relative change of the cost that is none, and the iterations in a row after which the fit ends.
+const NO_CHANGE: f64 = 1e-9;
+const PATIENCE: usize = 3;
+
+/// Fits a shape to data points or a model from where it is (\[P05, sec. 4\]).
+///
+/// # Errors
+/// Input that cannot be used: see [`Error`]. Not converging is a status of the report.
+pub fn fit<const D: usize, S: ActiveShape<D>>(
+    shape: S,
+    target: Target<'_, D>,
+    constraints: &Constraints<D>,
+    options: &FitOptions,
+) -> Result<Fitted<S, D>, Error> {
+    fit_with_progress(shape, target, constraints, options, &no_progress)
+}
+
+/// [`fit`] with a callback after each iteration, which may cancel.
+///
+/// # Errors
+/// As for [`fit`].
+pub fn fit_with_progress<const D: usize, S: ActiveShape<D>>(
+    mut shape: S,
+    target: Target<'_, D>,
+    constraints: &Constraints<D>,
+    options: &FitOptions,
+    progress: Progress<'_>,
+) -> Result<Fitted<S, D>, Error> {
+    options.check()?;
+    let samples = Samples::new(target, &shape)?;
+    let mut start = shape.coefficients().to_vec();
+    let side = Prepared::new(constraints, &mut start)?;
+    shape.set_coefficients(&start)?;
+    let feet = samples.feet(&shape, Search::Global, None)?;
+    let usable = (0..samples.len()).filter(|&i| samples.weight(i, &feet) > 0.0).count();
+    if usable == 0 {
+        return Err(Error::TooFewPoints { total: samples.len(), finite: 0, needed: 1 });
+    }
+    let layout = Layout::new(shape.cells(), start.len());
+    let energy = layout.gram(shape.cells(), &shape.energy(options.energy));
+    let initial_rms = measure(&feet, &weights(&samples, &feet, options.robust)).0.sqrt();
+    let largest =
+        (0..samples.len()).filter(|&i| feet.usable(i)).map(|i| feet.distance(i)).fold(0.0, f64::max);
+    let mut run = Run {
+        samples: &samples,
+        side,
+        options,
+        layout,
+        energy,
+        size: extent(&start).max(largest).max(f64::MIN_POSITIVE),
+        schedule: Schedule::new(options.smoothing),
+        damping: 0.0,
+        quiet: 0,
+        since_global: 0,
+        evaluations: 1,
+        best: None,
+        shape,
+        feet,
+        history: Vec::new(),
+        evolution: if options.evolution { vec![start] } else { Vec::new() },
+    };
+    let ended = (0..options.max_iterations).find_map(|_| run.step(progress).transpose());
+    let status = match ended {
+        Some(Ok(status)) => status,
+        Some(Err(error)) => return Err(error),
+        None => Status::MaxIterations,
+    };
+    run.finish(status, initial_rms)
+}
+
+/// The state of a fit.
+struct Run<'a, const D: usize, S> {
+    samples: &'a Samples<'a, D>,
+    side: Prepared<D>,
+    options: &'a FitOptions,
+    layout: Layout,
+    energy: Blocks,
+    /// Size of the region of shape and data.
+    size: f64,
+    schedule: Schedule,
+    damping: f64,
+    /// Iterations in a row without a change worth mentioning.
+    quiet: usize,
+    since_global: usize,
+    evaluations: usize,
+    /// The state with the least distance, when steps are not controlled.
+    best: Option<(f64, S)>,
+    shape: S,
+    feet: Feet<D>,
+    history: Vec<StepRecord>,
+    evolution: Vec<Vec<SVector<f64, D>>>,
+}
+
+/// A step that was tried.
+struct Trial<const D: usize, S> {
+    shape: S,
+    feet: Feet<D>,
+    cost: f64,
+    displacement: f64,
+    factor: f64,
+}
+
+impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
+    fn bend(&self, coefficients: &[SVector<f64, D>]) -> f64 {
+        let image = self.layout.multiply(&self.energy, coefficients);
+        coefficients.iter().zip(&image).map(|(a, b)| a.dot(b)).sum::<f64>().max(0.0)
+    }
+
+    /// One iteration; the status if it was the last.
+    fn step(&mut self, progress: Progress<'_>) -> Result<Option<Status>, Error> {
+        let lambda = self.schedule.lambda;
+        let weights = weights(self.samples, &self.feet, self.options.robust);
+        let evaluations = self.evaluations;
+        let normal =
+            assemble(&self.layout, &self.shape, self.samples, &self.feet, &weights, self.options.term);
+        let wanted = if self.schedule.asks() { self.ask(&normal, &weights) } else { None };
+        let bend = self.layout.multiply(&self.energy, self.shape.coefficients());
+        let vector: Vec<_> = normal.vector.iter().zip(&bend).map(|(v, b)| v - b * lambda).collect();
+        let cost = measure(&self.feet, &weights).0 + lambda * self.bend(self.shape.coefficients());
+        let searched = self.search(&normal, &vector, &weights, cost)?;
+        let trial = match searched {
+            Searched::Found(trial) => trial,
+            Searched::Singular => return Ok(Some(Status::Singular)),
+            Searched::NotFinite => return Ok(Some(Status::Diverged)),
+            Searched::None { displacement } => {
+                // Nothing lowers this cost; a later one with less energy may still be lowered.
+                if !self.schedule.is_settled() {
+                    self.schedule.advance(wanted);
+                    return Ok(None);
+                }
+                // Or the feet that were followed are not the nearest any more.
+                if self.since_global > 0 {
+                    self.feet = self.find(&self.shape.clone(), Search::Global)?;
+                    self.since_global = 0;
+                    return Ok(None);
+                }
+                let small = displacement <= self.options.tolerance.max(1e-7);
+                return Ok(Some(if small { Status::Converged } else { Status::Stalled }));
+            }
+        };
+        self.since_global =
+            if self.search_for(trial.displacement) == Search::Global { 0 } else { self.since_global + 1 };
+        self.shape = trial.shape;
+        self.feet = trial.feet;
+        if self.options.evolution {
+            self.evolution.push(self.shape.coefficients().to_vec());
+        }
+        let (sum, max, _) = measure(&self.feet, &weights);
+        let rms = sum.sqrt();
+        let record = StepRecord {
+            iteration: self.history.len() + 1,
+            lambda,
+            rms,
+            max,
+            cost: trial.cost,
+            displacement: trial.displacement,
+            factor: trial.factor,
+            damping: self.damping,
+            evaluations: self.evaluations - evaluations,
+            samples: weights.iter().filter(|w| **w > 0.0).count(),
+            coefficients: self.shape.coefficients().len(),
+        };
+        self.history.push(record);
+        if self.options.control == StepControl::None && self.best.as_ref().is_none_or(|best| rms < best.0) {
+            self.best = Some((rms, self.shape.clone()));
+        }
+        if !trial.cost.is_finite() || extent(self.shape.coefficients()) > AWAY * self.size {
+            return Ok(Some(Status::Diverged));
+        }
+        if progress(&record).is_break() {
+            return Ok(Some(Status::Cancelled));
+        }
+        if self.options.abs_goal.is_some_and(|goal| rms <= goal) {
+            return Ok(Some(Status::Converged));
+        }
+        let still = (cost - trial.cost).abs() <= NO_CHANGE * cost.abs();
+        self.quiet = if still { self.quiet + 1 } else { 0 };
+        let full = trial.factor == 1.0 && self.damping == 0.0;
+        let settled = self.schedule.is_settled();
+        self.schedule.advance(wanted);
+        if settled && (full && trial.displacement <= self.options.tolerance || self.quiet >= PATIENCE) {
+            return Ok(Some(Status::Converged));
+        }
+        Ok(None)
+    }
+
+    /// The factor of the energy that the data ask for.
+    fn ask(&mut self, normal: &Normal<D>, weights: &[f64]) -> Option<f64> {
+        let tangent = (self.options.term != ErrorTerm::Tangent).then(|| {
+            assemble(&self.layout, &self.shape, self.samples, &self.feet, weights, ErrorTerm::Tangent)
+        });
+        let normal = tangent.as_ref().unwrap_or(normal);
+        let frames = self.feet.frames.iter().zip(weights).filter(|(_, w)| **w > 0.0);
+        // Each sample tells as many distances as there are directions across the shape.
+        let count: usize = frames.map(|(frame, _)| D.saturating_sub(frame.tangent_dimension).max(1)).sum();
+        let coefficients = self.shape.coefficients();
+        wanted(&mut self.layout, normal, &self.energy, coefficients, &self.side.fixed, count as f64)
+    }
+
+    fn search_for(&self, displacement: f64) -> Search {
+        match self.options.footpoints {
+            FootpointPolicy::Global => Search::Global,
+            FootpointPolicy::Local => Search::Local,
+            FootpointPolicy::Adaptive if displacement > NEAR || self.since_global >= REFRESH => {
+                Search::Global
+            }
+            FootpointPolicy::Adaptive => Search::Local,
+        }
+    }
+
+    fn find(&mut self, shape: &S, search: Search) -> Result<Feet<D>, Error> {
+        self.evaluations += 1;
+        self.samples.feet(shape, search, Some(&self.feet))
+    }
+
+    /// The step under control.
+    fn search(
+        &mut self,
+        normal: &Normal<D>,
+        vector: &[SVector<f64, D>],
+        weights: &[f64],
+        cost: f64,
+    ) -> Result<Searched<D, S>, Error> {
+        let slack = 1e-13 * cost;
+        let mut damping =
+            if self.options.control == StepControl::LevenbergMarquardt { self.damping } else { 0.0 };
+        loop {
+            let Some(step) = self.solve(normal, vector, damping) else { return Ok(Searched::Singular) };
+            let longest = self.share(&step, 1.0);
+            if !longest.is_finite() {
+                return Ok(Searched::NotFinite);
+            }
+            let slope = -2.0 * vector.iter().zip(&step).map(|(v, s)| v.dot(s)).sum::<f64>();
+            match self.options.control {
+                StepControl::None => {
+                    return Ok(match self.attempt(&step, 1.0, weights)? {
+                        Some(trial) => Searched::Found(trial),
+                        None => Searched::NotFinite,
+                    });
+                }
+                StepControl::Armijo => {
+                    // Side conditions that do not hold yet come first.
+                    let slope = if self.side.has_conditions() { slope.min(0.0) } else { slope };
+                    let mut factor = 1.0;
+                    while factor > SHORTEST {
+                        if let Some(trial) = self.attempt(&step, factor, weights)?
+                            && trial.cost <= cost + DECREASE * factor * slope + slack
+                        {
+                            return Ok(Searched::Found(trial));
+                        }
+                        factor *= 0.5;
+                    }
+                    return Ok(Searched::None { displacement: longest });
+                }
+                StepControl::LevenbergMarquardt => {
+                    if let Some(trial) = self.attempt(&step, 1.0, weights)?
+                        && trial.cost <= cost + slack
+                    {
+                        self.damping = if damping <= DAMPING[0] { 0.0 } else { damping * 0.1 };
+                        return Ok(Searched::Found(trial));
+                    }
+                    damping = if damping == 0.0 { DAMPING[0] } else { damping * 10.0 };
+                    if damping > DAMPING[1] {
+                        return Ok(Searched::None { displacement: longest });
+                    }
+                }
+            }
+        }
+    }
+
+    /// The displacements that the models ask for.
+    fn solve(
+        &mut self,
+        normal: &Normal<D>,
+        vector: &[SVector<f64, D>],
+        damping: f64,
+    ) -> Option<Vec<SVector<f64, D>>> {
+        let mean = self.layout.mean_diagonal::<D>(&normal.matrix).abs();
+        let energy = (self.schedule.lambda, &self.energy);
+        let mut lift = LEAST;
+        loop {
+            let total = (damping + lift) * mean;
+            let factor = self.layout.factor::<D>(&normal.matrix, energy, total, &self.side.fixed);
+            let step = factor.and_then(|f| self.side.solve(&f, vector, self.shape.coefficients()));
+            if step.is_some() {
+                return step;
+            }
+            // Not positive definite: the Taylor model away from a minimum, or rounding.
+            lift *= 100.0;
+            if lift > LIFT {
+                return None;
+            }
+        }
+    }
+
+    /// The longest displacement as a share of the size.
+    fn share(&self, step: &[SVector<f64, D>], factor: f64) -> f64 {
+        step.iter().map(|s| s.norm()).fold(0.0, f64::max) * factor / self.size
+    }
+
+    /// The shape after a step; `None` if it is not finite.
+    fn attempt(
+        &mut self,
+        step: &[SVector<f64, D>],
+        factor: f64,
+        weights: &[f64],
+    ) -> Result<Option<Trial<D, S>>, Error> {
+        let moved: Vec<_> = self.shape.coefficients().iter().zip(step).map(|(d, s)| d + s * factor).collect();
+        let mut shape = self.shape.clone();
+        if shape.set_coefficients(&moved).is_err() {
+            return Ok(None);
+        }
+        let displacement = self.share(step, factor);
+        let feet = self.find(&shape, self.search_for(displacement))?;
+        let cost = measure(&feet, weights).0 + self.schedule.lambda * self.bend(&moved);
+        Ok(cost.is_finite().then_some(Trial { shape, feet, cost, displacement, factor }))
+    }
+
+    fn finish(mut self, status: Status, initial_rms: f64) -> Result<Fitted<S, D>, Error> {
+        if status == Status::Diverged
+            && let Some((_, shape)) = self.best.take()
+        {
+            self.shape = shape;
+        }
+        let shape = self.shape.clone();
+        let search =
+            if self.options.footpoints == FootpointPolicy::Local { Search::Local } else { Search::Global };
+        self.feet = self.find(&shape, search)?;
+        let weights = weights(self.samples, &self.feet, self.options.robust);
+        let (sum, max, max_index) = measure(&self.feet, &weights);
+        let report = FitReport {
+            status,
+            initial_rms,
+            rms: sum.sqrt(),
+            max,
+            max_index,
+            lambda: self.schedule.lambda,
+            samples: self.samples.len(),
+            used: weights.iter().filter(|w| **w > 0.0).count(),
+            history: self.history,
+        };
+        Ok(Fitted { shape, report, frames: self.feet.frames, evolution: self.evolution })
+    }
+}
+
+/// What a search for a step came to.
+enum Searched<const D: usize, S> {
+    Found(Trial<D, S>),
+    /// No step lowers the cost; `displacement` is what the full one would have been.
+    None {
+        displacement: f64,
+    },
+    Singular,
+    NotFinite,
+}
+
+/// Largest side of the box around coefficients.
+fn extent<const D: usize>(coefficients: &[SVector<f64, D>]) -> f64 {
+    let mut low = SVector::<f64, D>::repeat(f64::INFINITY);
+    let mut high = -low;
+    for d in coefficients {
+        low = low.inf(d);
+        high = high.sup(d);
+    }
+    (high - low).max()
+}

@@ -1,0 +1,107 @@
+//! Options of the fit of a primitive, and how it can end.
+
+use crate::Error;
+
+/// What is assumed about points that do not belong to the shape.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub enum PrimitiveOutliers {
+    /// There are none: least squares over all points.
+    #[default]
+    None,
+    /// Tukey's biweight: points beyond the scale do not count.
+    Tukey {
+        /// Distance from which points do not count; `None` finds 4.685 standard deviations of the inliers.
+        abs_scale: Option<f64>,
+    },
+    /// Least squares over the given share of points, those with the smallest distances.
+    Trimmed {
+        /// Share of the points that count, in (0, 1].
+        share: f64,
+    },
+}
+
+/// How a primitive is fitted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct PrimitiveOptions {
+    /// What is assumed about outliers; default [`PrimitiveOutliers::None`].
+    pub outliers: PrimitiveOutliers,
+    /// Most steps; default 200.
+    pub max_iterations: usize,
+    /// Whether the covariance of the result is computed; default not.
+    pub covariance: bool,
+}
+
+impl Default for PrimitiveOptions {
+    fn default() -> Self {
+        Self { outliers: PrimitiveOutliers::None, max_iterations: 200, covariance: false }
+    }
+}
+
+impl PrimitiveOptions {
+    /// The same options with another assumption about outliers.
+    #[must_use]
+    pub fn with_outliers(self, outliers: PrimitiveOutliers) -> Self {
+        Self { outliers, ..self }
+    }
+
+    /// The same options with another limit on the steps.
+    #[must_use]
+    pub fn with_max_iterations(self, max_iterations: usize) -> Self {
+        Self { max_iterations, ..self }
+    }
+
+    /// The same options with or without the covariance.
+    #[must_use]
+    pub fn with_covariance(self, covariance: bool) -> Self {
+        Self { covariance, ..self }
+    }
+
+    /// Checks every number.
+    pub(super) fn check(&self) -> Result<(), Error> {
+        match self.outliers {
+            PrimitiveOutliers::Trimmed { share } if !(share > 0.0 && share <= 1.0) => {
+                Err(Error::Option { name: "share", value: share, allowed: "in (0, 1]" })
+            }
+            PrimitiveOutliers::Tukey { abs_scale: Some(scale) } if !(scale > 0.0 && scale.is_finite()) => {
+                Err(Error::Option { name: "abs_scale", value: scale, allowed: "a positive number" })
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// How the fit of a primitive ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
+#[non_exhaustive]
+pub enum PrimitiveStatus {
+    /// The shape is a minimum as far as numbers can tell.
+    Converged,
+    /// No step lowers the sum of squares, although the gradient is not yet zero.
+    Stalled,
+    /// The limit on steps was reached first.
+    MaxIterations,
+    /// The points leave the shape open (all on one circle for a sphere, say): one of many is given.
+    Undetermined,
+}
+
+impl PrimitiveStatus {
+    /// The name used in files.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Converged => "converged",
+            Self::Stalled => "stalled",
+            Self::MaxIterations => "max_iterations",
+            Self::Undetermined => "undetermined",
+        }
+    }
+}
+
+impl std::fmt::Display for PrimitiveStatus {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name())
+    }
+}

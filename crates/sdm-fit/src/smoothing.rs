@@ -1,0 +1,185 @@
+//! The factor of the energy: schedules, and generalised cross validation.
+
+use crate::assemble::Normal;
+use crate::layout::{Blocks, Layout};
+use crate::options::Smoothing;
+use nalgebra::SVector;
+
+/// Factors tried: powers of ten from the first to the last, then finer around the best.
+const DECADES: [i32; 2] = [-14, 1];
+/// How much a degree of freedom counts: above 1, since the score by itself is easily misled to too little smoothing.
+const CAUTION: f64 = 1.4;
+/// A score within this share of the best is as good.
+const AS_GOOD: f64 = 0.002;
+/// Unknowns up to which the trace is exact; above it is estimated from random vectors.
+const EXACT: usize = 400;
+/// Number of random vectors.
+const PROBES: usize = 12;
+/// Factor between two values of `λ` that count as the same.
+const SAME: f64 = 1.3;
+/// Iterations after which the automatic value is kept.
+const SETTLED: usize = 40;
+/// Below this a continuation to 0 has arrived.
+const NOTHING: f64 = 1e-16;
+
+/// The factor of the energy in the course of the iteration.
+#[derive(Clone, Debug)]
+pub(crate) struct Schedule {
+    smoothing: Smoothing,
+    pub(crate) lambda: f64,
+    /// Iterations in which the data asked for about the present value.
+    agreed: usize,
+    iteration: usize,
+}
+
+impl Schedule {
+    pub(crate) fn new(smoothing: Smoothing) -> Self {
+        let lambda = match smoothing {
+            Smoothing::Fixed { lambda } => lambda,
+            Smoothing::Continuation { start, .. } | Smoothing::Automatic { start, .. } => start,
+        };
+        Self { smoothing, lambda, agreed: 0, iteration: 0 }
+    }
+
+    /// Whether the data are asked in this iteration.
+    pub(crate) fn asks(&self) -> bool {
+        matches!(self.smoothing, Smoothing::Automatic { .. })
+            && self.iteration >= 2
+            && self.iteration < SETTLED
+            && self.agreed < 3
+    }
+
+    /// The value for the next iteration; `wanted` is what the data ask for, where they were asked.
+    pub(crate) fn advance(&mut self, wanted: Option<f64>) {
+        self.iteration += 1;
+        match self.smoothing {
+            Smoothing::Fixed { .. } => {}
+            Smoothing::Continuation { factor, floor, .. } => {
+                self.lambda = (self.lambda * factor).max(floor);
+                if self.lambda < NOTHING {
+                    self.lambda = floor;
+                }
+            }
+            Smoothing::Automatic { factor, .. } => match wanted {
+                Some(wanted) => {
+                    let same = self.lambda <= wanted * SAME && wanted <= self.lambda * SAME;
+                    self.agreed = if same { self.agreed + 1 } else { 0 };
+                    self.lambda = wanted.max(self.lambda * factor);
+                }
+                None if self.iteration <= 2 => self.lambda *= factor,
+                None => {}
+            },
+        }
+    }
+
+    /// Whether the value will stay.
+    pub(crate) fn is_settled(&self) -> bool {
+        match self.smoothing {
+            Smoothing::Fixed { .. } => true,
+            Smoothing::Continuation { floor, .. } => self.lambda <= floor,
+            Smoothing::Automatic { .. } => {
+                self.agreed >= 3 || self.iteration >= SETTLED || self.lambda < 1e-12
+            }
+        }
+    }
+}
+
+/// The largest factor whose score is as good as the best, from the normal equations of the tangent model.
+///
+/// The score is `RSS / (1 − γ tr H / m)²` with the influence matrix `H = A (N + λE)⁻¹ Aᵀ` of the linearised problem and `m`
+/// distances ([CW79]; `γ` as in [KG04]). `None` where no factor gives a finite one.
+pub(crate) fn wanted<const D: usize>(
+    layout: &mut Layout,
+    normal: &Normal<D>,
+    energy: &Blocks,
+    coefficients: &[SVector<f64, D>],
+    fixed: &[bool],
+    count: f64,
+) -> Option<f64> {
+    let bend = layout.multiply(energy, coefficients);
+    let question = Question { normal, energy, bend, fixed, count };
+    let mut scores: Vec<(f64, f64)> = Vec::new();
+    for decade in DECADES[0]..=DECADES[1] {
+        scores.extend(question.scored(layout, f64::from(decade)));
+    }
+    let coarse = best(&scores)?.log10();
+    for step in [-0.75, -0.5, -0.25, 0.25, 0.5, 0.75] {
+        scores.extend(question.scored(layout, coarse + step));
+    }
+    best(&scores)
+}
+
+fn best(scores: &[(f64, f64)]) -> Option<f64> {
+    let least = scores.iter().map(|s| s.1).min_by(f64::total_cmp)?;
+    let good = scores.iter().filter(|s| s.1 <= least * (1.0 + AS_GOOD));
+    good.map(|s| s.0).max_by(f64::total_cmp)
+}
+
+/// The linearised problem at the present state of the shape.
+struct Question<'a, const D: usize> {
+    normal: &'a Normal<D>,
+    energy: &'a Blocks,
+    /// The energy matrix times the coefficients.
+    bend: Vec<SVector<f64, D>>,
+    fixed: &'a [bool],
+    /// Number of distances.
+    count: f64,
+}
+
+impl<const D: usize> Question<'_, D> {
+    fn scored(&self, layout: &mut Layout, exponent: f64) -> Option<(f64, f64)> {
+        let lambda = 10f64.powf(exponent);
+        self.score(layout, lambda).map(|score| (lambda, score))
+    }
+
+    fn score(&self, layout: &mut Layout, lambda: f64) -> Option<f64> {
+        let Self { normal, energy, bend, fixed, count } = self;
+        let damping = 1e-13 * layout.mean_diagonal::<D>(&normal.matrix);
+        let factor = layout.factor::<D>(&normal.matrix, (lambda, energy), damping, fixed)?;
+        let n = normal.vector.len();
+        let is_fixed = |i: usize, c: usize| fixed.get(i * D + c).copied().unwrap_or(false);
+        let free = |v: Vec<SVector<f64, D>>| {
+            let masked = v.into_iter().enumerate();
+            masked
+                .map(|(i, v)| SVector::from_fn(|c, _| if is_fixed(i, c) { 0.0 } else { v[c] }))
+                .collect::<Vec<_>>()
+        };
+        let rhs = free((0..n).map(|i| normal.vector[i] - bend[i] * lambda).collect());
+        let step: Vec<SVector<f64, D>> = factor.solve(&rhs)?;
+        let image = layout.multiply(&normal.matrix, &step);
+        let mut rss = normal.value;
+        for i in 0..n {
+            rss += step[i].dot(&image[i]) - 2.0 * normal.vector[i].dot(&step[i]);
+        }
+        let mut trace = 0.0;
+        let probe = |z: &[SVector<f64, D>]| -> Option<f64> {
+            let y = factor.solve(&free(layout.multiply(&normal.matrix, z)))?;
+            Some(z.iter().zip(&y).map(|(a, b)| a.dot(b)).sum())
+        };
+        if n * D <= EXACT {
+            for i in 0..n {
+                for c in (0..D).filter(|&c| !is_fixed(i, c)) {
+                    let mut z = vec![SVector::zeros(); n];
+                    z[i][c] = 1.0;
+                    trace += probe(&z)?;
+                }
+            }
+        } else {
+            let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+            for _ in 0..PROBES {
+                let z: Vec<_> = (0..n).map(|_| SVector::from_fn(|_, _| sign(&mut state))).collect();
+                trace += probe(&free(z))? / PROBES as f64;
+            }
+        }
+        let freedom = 1.0 - CAUTION * trace / count;
+        (freedom > 0.0).then(|| rss.max(0.0) / (freedom * freedom)).filter(|s| s.is_finite())
+    }
+}
+
+/// A random sign (xorshift): the same in every run.
+fn sign(state: &mut u64) -> f64 {
+    *state ^= *state << 13;
+    *state ^= *state >> 7;
+    *state ^= *state << 17;
+    if *state & (1 << 40) == 0 { 1.0 } else { -1.0 }
+}
