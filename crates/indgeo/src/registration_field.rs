@@ -1,7 +1,7 @@
 //! The distance from a model in the plane or in space, with poses of space for both.
 
 use industrial_geometry::distance_field::{CurveField, DistanceField, Hint, PrincipalFrame, Search};
-use industrial_geometry::mesh::nalgebra::{Matrix3, SVector, Vector2, Vector3};
+use industrial_geometry::mesh::nalgebra::{Matrix3, SVector, Vector3};
 use industrial_geometry::register::{
     Covariance, Error, FreeMotion, Locks, Pose, RegisterOptions, RegisterReport, Source, StepRecord,
     register_with_progress,
@@ -11,7 +11,7 @@ use std::ops::ControlFlow;
 /// The distance from a model.
 pub(crate) enum RegistrationField {
     /// In the plane z = 0.
-    Plane(CurveField<2>),
+    Plane(Box<CurveField<2>>),
     /// In space.
     Space(Box<dyn DistanceField<3>>),
 }
@@ -64,8 +64,13 @@ impl RegistrationField {
                 if let Some(normals) = &normals {
                     source = source.with_normals(normals);
                 }
-                let report =
-                    register_with_progress(field, &source, &flat(start)?, &planar(options), progress)?;
+                let report = register_with_progress(
+                    field.as_ref(),
+                    &source,
+                    &flat(start)?,
+                    &planar(options),
+                    progress,
+                )?;
                 Ok(in_space(report))
             }
         }
@@ -156,6 +161,7 @@ pub(crate) fn locks_fit_the_plane(options: &RegisterOptions<3>) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use industrial_geometry::mesh::nalgebra::Vector2;
 
     #[test]
     fn a_turn_about_z_is_one_of_the_plane() {

@@ -117,7 +117,8 @@ impl RegistrationModel {
         };
         let field: Result<Box<dyn DistanceField<3>>, _> = match self {
             Self::Plane(curves) => {
-                return CurveField::for_model(curves).map(RegistrationField::Plane).map_err(failed);
+                let field = CurveField::for_model(curves).map_err(failed)?;
+                return Ok(RegistrationField::Plane(Box::new(field)));
             }
             Self::Surfaces(surfaces) => SurfaceField::for_model(surfaces).map(|field| Box::new(field) as _),
             Self::Curves(curves) => CurveField::for_model(curves).map(|field| Box::new(field) as _),
