@@ -6,7 +6,7 @@ use crate::layout::{Blocks, Layout};
 use crate::options::{FitOptions, FootpointPolicy, StepControl};
 use crate::report::{FitReport, Fitted, StepRecord};
 use crate::shape::ActiveShape;
-use crate::smoothing::{Schedule, wanted};
+use crate::smoothing::{Answer, Noise, Schedule, wanted};
 use crate::target::{Feet, Samples, Target};
 use crate::weights::{measure, weights};
 use crate::{Error, Status};
@@ -40,6 +40,11 @@ const LEAST: f64 = 1e-13;
 const LIFT: f64 = 10.0;
 /// A shape this much larger than the first one and the data has run away.
 const AWAY: f64 = 1e3;
+/// Below this neighbours agree on what is left: no noise.
+const AGREE: f64 = 0.6;
+/// Share of the cost whose promise does not matter, and displacement as a share of the size that is nearly rounding.
+const MINOR: f64 = 1e-4;
+const ROUNDING: f64 = 1e-7;
 /// Iterations in a row without a change of the cost after which the fit ends.
 const PATIENCE: usize = 3;
 
@@ -154,7 +159,7 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
         let evaluations = self.evaluations;
         let normal =
             assemble(&self.layout, &self.shape, self.samples, &self.feet, &weights, self.options.term);
-        let wanted = if self.schedule.asks() { self.ask(&normal, &weights) } else { None };
+        let answer = if self.schedule.asks() { self.ask(&normal, &weights) } else { Answer::NotAsked };
         let bend = self.layout.multiply(&self.energy, self.shape.coefficients());
         let vector: Vec<_> = normal.vector.iter().zip(&bend).map(|(v, b)| v - b * lambda).collect();
         let cost = measure(&self.feet, &weights).0 + lambda * self.bend(self.shape.coefficients());
@@ -163,10 +168,10 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
             Searched::Found(trial) => trial,
             Searched::Singular => return Ok(Some(Status::Singular)),
             Searched::NotFinite => return Ok(Some(Status::Diverged)),
-            Searched::None { displacement } => {
+            Searched::None { displacement, gain } => {
                 // Nothing lowers this cost; a later one with less energy may still be lowered.
                 if !self.schedule.is_settled() {
-                    self.schedule.advance(wanted);
+                    self.schedule.advance(answer);
                     return Ok(None);
                 }
                 // Or the feet that were followed are not the nearest any more.
@@ -175,7 +180,8 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
                     self.since_global = 0;
                     return Ok(None);
                 }
-                let small = displacement <= self.options.tolerance.max(1e-7);
+                let small = gain <= MINOR * cost || displacement <= self.options.tolerance.max(ROUNDING);
+                let small = small || cost.sqrt() <= ROUNDING * self.size * ROUNDING;
                 return Ok(Some(if small { Status::Converged } else { Status::Stalled }));
             }
         };
@@ -218,7 +224,7 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
         self.quiet = if still { self.quiet + 1 } else { 0 };
         let full = trial.factor == 1.0 && self.damping == 0.0;
         let settled = self.schedule.is_settled();
-        self.schedule.advance(wanted);
+        self.schedule.advance(answer);
         if settled && (full && trial.displacement <= self.options.tolerance || self.quiet >= PATIENCE) {
             return Ok(Some(Status::Converged));
         }
@@ -226,16 +232,50 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
     }
 
     /// The factor of the energy that the data ask for.
-    fn ask(&mut self, normal: &Normal<D>, weights: &[f64]) -> Option<f64> {
+    fn ask(&mut self, normal: &Normal<D>, weights: &[f64]) -> Answer {
+        if self.disagreement(weights) < AGREE {
+            return Answer::NoNoise;
+        }
         let tangent = (self.options.term != ErrorTerm::Tangent).then(|| {
             assemble(&self.layout, &self.shape, self.samples, &self.feet, weights, ErrorTerm::Tangent)
         });
         let normal = tangent.as_ref().unwrap_or(normal);
-        let frames = self.feet.frames.iter().zip(weights).filter(|(_, w)| **w > 0.0);
-        // Each sample tells as many distances as there are directions across the shape.
-        let count: usize = frames.map(|(frame, _)| D.saturating_sub(frame.tangent_dimension).max(1)).sum();
+        let (mut count, mut square) = (0, 0.0);
+        for (frame, weight) in self.feet.frames.iter().zip(weights).filter(|(_, w)| **w > 0.0) {
+            // Each sample tells as many distances as there are directions across the shape.
+            count += D.saturating_sub(frame.tangent_dimension).max(1);
+            square += weight * (frame.curvatures.amax() * frame.distance).powi(2).min(1.0);
+        }
+        let noise = Noise { count: count as f64, bend: square.sqrt() };
         let coefficients = self.shape.coefficients();
-        wanted(&mut self.layout, normal, &self.energy, coefficients, &self.side.fixed, count as f64)
+        let fixed = &self.side.fixed;
+        let near = self.schedule.wanted;
+        let found = wanted(&mut self.layout, normal, &self.energy, coefficients, fixed, &noise, near);
+        found.map_or(Answer::NotAsked, Answer::Wanted)
+    }
+
+    /// Mean squared difference of the residuals of neighbours (in the order of cells and parameters) as a share of the mean square of all: 2 for
+    /// noise, near 0 where the shape systematically misses the data ([Ne41]).
+    fn disagreement(&self, weights: &[f64]) -> f64 {
+        let mut order: Vec<usize> = (0..weights.len()).filter(|&i| weights[i] > 0.0).collect();
+        let place = |i: usize| self.samples.parameter(&self.feet, i);
+        let cells: Vec<usize> = (0..weights.len())
+            .map(|i| if weights[i] > 0.0 { self.shape.cell(place(i)) } else { 0 })
+            .collect();
+        let key = |i: usize| (cells[i], place(i));
+        order.sort_by(|&a, &b| {
+            let ((cell_a, at_a), (cell_b, at_b)) = (key(a), key(b));
+            let parameters = at_a[0].total_cmp(&at_b[0]).then(at_a[1].total_cmp(&at_b[1]));
+            cell_a.cmp(&cell_b).then(parameters).then(a.cmp(&b))
+        });
+        let residual = |i: usize| {
+            let frame = &self.feet.frames[i];
+            frame.normal() * frame.distance
+        };
+        let squares: f64 = order.iter().map(|&i| residual(i).norm_squared()).sum();
+        let pairs = order.windows(2);
+        let changes: f64 = pairs.map(|p| (residual(p[1]) - residual(p[0])).norm_squared()).sum();
+        if squares > 0.0 { changes / squares } else { 0.0 }
     }
 
     fn search_for(&self, displacement: f64) -> Search {
@@ -291,7 +331,7 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
                         }
                         factor *= 0.5;
                     }
-                    return Ok(Searched::None { displacement: longest });
+                    return Ok(Searched::None { displacement: longest, gain: slope.abs() });
                 }
                 StepControl::LevenbergMarquardt => {
                     if let Some(trial) = self.attempt(&step, 1.0, weights)?
@@ -302,7 +342,7 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
                     }
                     damping = if damping == 0.0 { DAMPING[0] } else { damping * 10.0 };
                     if damping > DAMPING[1] {
-                        return Ok(Searched::None { displacement: longest });
+                        return Ok(Searched::None { displacement: longest, gain: slope.abs() });
                     }
                 }
             }
@@ -387,9 +427,10 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
 /// What a search for a step came to.
 enum Searched<const D: usize, S> {
     Found(Trial<D, S>),
-    /// No step lowers the cost; `displacement` is what the full one would have been.
+    /// No step lowers the cost; `displacement` is what the full one would have been, `gain` what it promised.
     None {
         displacement: f64,
+        gain: f64,
     },
     Singular,
     NotFinite,

@@ -24,7 +24,7 @@
 
 mod assemble;
 mod constraint;
-mod curve;
+pub mod curve;
 mod error;
 mod iterate;
 mod layout;
