@@ -19,6 +19,12 @@ pub enum Error {
         /// Number of points.
         count: usize,
     },
+    /// A grid of values cannot be used.
+    #[error("grid: {what}")]
+    Grid {
+        /// What is wrong with it.
+        what: String,
+    },
     /// An option has a value that cannot be used.
     #[error("option {option} is {value}: {what}")]
     Option {

@@ -13,6 +13,7 @@
 //! | line, circle | [`AnalyticCurveField`] | closed form | as for curves |
 //! | triangle meshes | [`MeshField`] | exact | 2 ([`MeshGeometry::Smooth`]), 1 and 0 on boundaries |
 //! | dense clouds | [`CloudField`] | on quadrics at the points | 2 |
+//! | level sets on grids | [`LevelSetField`] | exact for the spline through the values | 2 in space, 1 in the plane |
 //! | any of these | [`D2Tree`] | none: precomputed models | as in the field it is made of |
 //!
 //! All of them at once, as a registration does:
@@ -55,6 +56,7 @@ mod error;
 mod field;
 mod frame;
 mod kernel;
+mod level_set;
 mod local_geometry;
 mod mesh;
 mod osculating;
@@ -74,6 +76,7 @@ pub use error::Error;
 pub use field::DistanceField;
 pub use frame::PrincipalFrame;
 pub use kernel::Kernel;
+pub use level_set::{Grid, LevelSetField};
 pub use mesh::{MeshField, MeshGeometry, MeshOptions};
 pub use quadratic::QuadraticModel;
 pub use search::{Hint, Search};

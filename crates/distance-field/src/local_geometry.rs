@@ -3,7 +3,7 @@
 //! The residual `r` of a query is `x − foot`. Each function returns axes whose last one is the direction in which the
 //! distance is measured, with the sign chosen so that it lies on the positive side of the shape if that has one.
 
-use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use nalgebra::{Matrix2, Matrix3, SMatrix, SVector, Vector2, Vector3};
 use nurbs_core::{CurveJet, SurfaceJet};
 
 /// Length of what is left of a unit vector without its parts along others, below which it is a combination of these.
@@ -47,6 +47,22 @@ pub(crate) fn of_tensor(tensor: &Matrix3<f64>, normal: &Vector3<f64>, distance: 
     let (tx, ty) = (tensor * x, tensor * y);
     let (directions, curvatures) = principal_axes([x.dot(&tx), x.dot(&ty), y.dot(&ty)], [x, y]);
     of_principal(&directions, normal, curvatures, distance)
+}
+
+/// A point of a curve in the plane with a known unit normal, and its second fundamental form as a symmetric tensor of
+/// which the part along the tangent counts.
+pub(crate) fn of_plane_normal(
+    tensor: &Matrix2<f64>,
+    normal: &Vector2<f64>,
+    distance: f64,
+) -> LocalGeometry<2> {
+    let tangent = Vector2::new(-normal.y, normal.x);
+    LocalGeometry {
+        axes: Matrix2::from_columns(&[tangent, *normal]),
+        curvatures: Vector2::new(tangent.dot(&(tensor * tangent)), 0.0),
+        tangent_dimension: 1,
+        distance,
+    }
 }
 
 /// Principal directions and curvatures `κ₁ ≥ κ₂` of the form `a ξ² + 2 b ξη + c η²` on orthonormal tangents.

@@ -86,9 +86,22 @@ fn a_bound_missed_by_rounding_counts_as_reached() {
                 [u, 0.5869930650092509],
                 &options(method).with_max_iterations(1000),
             );
-            assert_eq!((foot.status, foot.location), (Status::OnBoundary, Location::Edge), "{method:?}: {foot}");
+            assert_eq!(
+                (foot.status, foot.location),
+                (Status::OnBoundary, Location::Edge),
+                "{method:?}: {foot}"
+            );
         }
     }
+}
+
+/// From beside one pole the iteration must not end at the other.
+#[test]
+fn starts_beside_a_pole_lead_to_the_foot() {
+    let x = Vector3::new(-1.1940046020137247, 0.8651656785190329, 0.0);
+    let foot =
+        project_surface(&sphere(), &x, [1.076748424719503, 1.5706447370285053], &LocalOptions::default());
+    assert_eq!(foot.status, Status::Converged, "{foot}");
 }
 
 proptest! {

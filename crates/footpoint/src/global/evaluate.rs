@@ -21,7 +21,8 @@ impl Geometry {
 
     #[inline(always)]
     fn power_jet<const N: usize, const C: usize>(&self, patch: &Patch, s: f64, t: f64) -> SurfaceJet {
-        power::surface_jet(&power::jet::<N, Quad<C>>(self.powers::<N, C>(patch), s - 0.5, t - 0.5))
+        let [o, p] = patch.origin;
+        power::surface_jet(&power::jet::<N, Quad<C>>(self.powers::<N, C>(patch), s - o, t - p))
     }
 
     fn bernstein_jet(&self, patch: &Patch, s: f64, t: f64) -> SurfaceJet {
@@ -60,7 +61,8 @@ impl Geometry {
 
     #[inline(always)]
     fn power_point<const N: usize, const C: usize>(&self, patch: &Patch, s: f64, t: f64) -> Vector3<f64> {
-        let a = power::value::<N, Quad<C>>(self.powers::<N, C>(patch), s - 0.5, t - 0.5).0;
+        let [o, p] = patch.origin;
+        let a = power::value::<N, Quad<C>>(self.powers::<N, C>(patch), s - o, t - p).0;
         let point = Vector3::new(a[0], a[1], a[2]);
         // As in the jet, where the inverse is needed more than once.
         if C == 4 { point * (1.0 / a[3]) } else { point }

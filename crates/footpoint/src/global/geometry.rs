@@ -29,6 +29,8 @@ pub(crate) struct Patch {
     pub(crate) radius: f64,
     /// The edge that is collapsed into the centre.
     pub(crate) pole: Option<Pole>,
+    /// Local parameters that are zero in the powers.
+    pub(super) origin: [f64; 2],
     /// Largest degree + 1 of a patch that is also kept in powers, or 0.
     pub(crate) order: usize,
     net: usize,
@@ -79,7 +81,11 @@ impl Geometry {
         // The number that follows the last coefficient is read, but not used.
         self.powers.pop();
         let powers = self.powers.len();
-        let order = power::push_powers(&net, patch.degrees, rational, &mut self.powers);
+        let mut origin = [0.5; 2];
+        if let Some(pole) = pole {
+            origin[pole.direction] = pole.end as f64;
+        }
+        let order = power::push_powers(&net, patch.degrees, origin, rational, &mut self.powers);
         self.powers.push(0.0);
         let radius = patch.control_points.iter().map(|p| (p - centre).norm()).fold(0.0, f64::max);
         let (min, max) = net.iter().fold((f64::INFINITY, 0.0f64), |(a, b), p| (a.min(p[3]), b.max(p[3])));
@@ -94,6 +100,7 @@ impl Geometry {
             max_weight_sq: max * max,
             radius,
             pole,
+            origin,
             order,
             net: self.nets.len(),
             form,

@@ -111,7 +111,7 @@ impl Geometry {
             if occupied == 0 {
                 return;
             }
-            let round = round::<N, C>(net, &places, self.size);
+            let round = round::<N, C>(net, patch.origin, &places, self.size);
             let mut limited = 0;
             for l in 0..WIDTH {
                 steps[l] += 1;
@@ -222,10 +222,10 @@ fn open(x: Lanes) -> Lanes {
 /// The operations of [`descend`](Geometry::descend), in the same order, for the usual case: the Hessian is positive
 /// definite and its step stays inside the patch.
 #[inline(always)]
-fn round<const N: usize, const C: usize>(net: &[f64], places: &Places, size: f64) -> Round {
-    let half = Lanes::splat(0.5);
+fn round<const N: usize, const C: usize>(net: &[f64], origin: [f64; 2], places: &Places, size: f64) -> Round {
     let [s, t] = places.local;
-    let jets = power::lane_jets(&power::jet::<N, Wide<C>>(net, s - half, t - half));
+    let [o, p] = origin.map(Lanes::splat);
+    let jets = power::lane_jets(&power::jet::<N, Wide<C>>(net, s - o, t - p));
     let [point, du, dv, duu, duv, dvv] = &jets;
     let r = [point[0] - places.y[0], point[1] - places.y[1], point[2] - places.y[2]];
     let distance_sq = dot(&r, &r);

@@ -1,8 +1,9 @@
-//! Patches of low degree as polynomials in the distance from their middle, evaluated by Horner's scheme.
+//! Patches of low degree as polynomials in the distance from an origin of their own, evaluated by Horner's scheme.
 //!
 //! In `s − 1/2` and `t − 1/2` no coefficient is large against the control points, so that nothing is lost against the
-//! Bernstein form; a jet takes half as many operations. The scheme is written once for one place at a time and for
-//! eight: both give the same bits.
+//! Bernstein form; a jet takes half as many operations. A patch with a collapsed edge has its origin there: the
+//! coefficients that do not vanish are then multiplied by the way from the pole, and rounding errors shrink with it.
+//! The scheme is written once for one place at a time and for eight: both give the same bits.
 
 use super::bernstein::binomial;
 use super::geometry::Homogeneous;
@@ -13,11 +14,12 @@ use nurbs_core::SurfaceJet;
 /// Largest degree that is kept in this form. Lower degrees are filled up with zeros to 2 x 2 or 3 x 3.
 pub(crate) const MAX_POWER_DEGREE: usize = 3;
 
-/// Appends the coefficients of a patch, row by row in powers of `s`, and returns their order (3 or 4);
-/// 0, and nothing appended, when the degree is too high. The weights are left out unless the patch is rational.
+/// Appends the coefficients of a patch, row by row in powers of `s` less its origin, and returns their order (3 or
+/// 4); 0, and nothing appended, when the degree is too high. The weights are left out unless the patch is rational.
 pub(super) fn push_powers(
     net: &[Homogeneous],
     [p, q]: [usize; 2],
+    origin: [f64; 2],
     rational: bool,
     to: &mut Vec<f64>,
 ) -> usize {
@@ -25,7 +27,7 @@ pub(super) fn push_powers(
         return 0;
     }
     let order = p.max(q).max(2) + 1;
-    let (by_s, by_t) = (powers_of_bernstein(p), powers_of_bernstein(q));
+    let (by_s, by_t) = (powers_of_bernstein(p, origin[0]), powers_of_bernstein(q, origin[1]));
     for k in 0..order {
         for l in 0..order {
             for c in 0..if rational { 4 } else { 3 } {
@@ -44,17 +46,21 @@ pub(super) fn push_powers(
     order
 }
 
-/// `[i][k]`: coefficient of `(s − 1/2)^k` in the Bernstein polynomial `i` of degree `n`.
-fn powers_of_bernstein(n: usize) -> Vec<Vec<f64>> {
-    let power = |k: usize| 0.5f64.powi(i32::try_from(k).unwrap_or(i32::MAX));
+/// `[i][k]`: coefficient of `(s − o)^k` in the Bernstein polynomial `i` of degree `n`, `o` the origin.
+fn powers_of_bernstein(n: usize, origin: f64) -> Vec<Vec<f64>> {
+    let power = |x: f64, k: usize| x.powi(i32::try_from(k).unwrap_or(i32::MAX));
     (0..=n)
         .map(|i| {
-            // (1/2 + h)^i (1/2 − h)^(n − i)
+            // (o + h)^i (1 − o − h)^(n − i)
             let mut out = vec![0.0; n + 1];
             for a in 0..=i {
                 for b in 0..=n - i {
                     let sign = if b % 2 == 0 { 1.0 } else { -1.0 };
-                    out[a + b] += sign * binomial(i, a) * binomial(n - i, b) * power(n - a - b);
+                    out[a + b] += sign
+                        * binomial(i, a)
+                        * binomial(n - i, b)
+                        * power(origin, i - a)
+                        * power(1.0 - origin, n - i - b);
                 }
             }
             out.iter().map(|c| binomial(n, i) * c).collect()
@@ -128,7 +134,7 @@ impl<const C: usize> Coordinates for Wide<C> {
     }
 }
 
-/// Value, s, t, ss, st, tt of a patch of order `N`, at the parameters `s` and `t` less one half.
+/// Value, s, t, ss, st, tt of a patch of order `N`, at the parameters `s` and `t` less its origin.
 #[inline(always)]
 pub(super) fn jet<const N: usize, V: Coordinates>(net: &[f64], s: V::Parameter, t: V::Parameter) -> [V; 6] {
     let mut a = [V::ZERO; 6];
@@ -242,12 +248,14 @@ mod tests {
     #[test]
     fn powers_give_the_bernstein_polynomials() {
         for n in 1..=MAX_POWER_DEGREE {
-            let powers = powers_of_bernstein(n);
-            for s in [0.0, 0.3, 0.5, 1.0f64] {
-                for i in 0..=n {
-                    let value: f64 = (0..=n).map(|k| powers[i][k] * (s - 0.5).powi(k as i32)).sum();
-                    let exact = binomial(n, i) * s.powi(i as i32) * (1.0 - s).powi((n - i) as i32);
-                    assert!((value - exact).abs() < 1e-15, "{n} {i} {s}: {value} {exact}");
+            for origin in [0.0, 0.5, 1.0] {
+                let powers = powers_of_bernstein(n, origin);
+                for s in [0.0, 0.3, 0.5, 1.0f64] {
+                    for i in 0..=n {
+                        let value: f64 = (0..=n).map(|k| powers[i][k] * (s - origin).powi(k as i32)).sum();
+                        let exact = binomial(n, i) * s.powi(i as i32) * (1.0 - s).powi((n - i) as i32);
+                        assert!((value - exact).abs() < 2e-15, "{n} {i} {s}: {value} {exact}");
+                    }
                 }
             }
         }

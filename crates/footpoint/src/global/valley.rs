@@ -124,11 +124,24 @@ pub(crate) fn valley<const K: usize>(
 /// Value, first and second derivative in `u` of eight of the polynomials, each at a parameter of its own.
 #[inline(always)]
 fn lanes_jet<const K: usize>(rows: &[Row<K>], k: usize, s: Lanes) -> [Lanes; 3] {
-    let m = rows.len() - 1;
+    // Counts known to the compiler keep the basis in registers: those of quadratic and cubic patches, and of their
+    // transposed forms.
+    match rows.len() {
+        5 => lanes_jet_of(rows, 5, k, s),
+        7 => lanes_jet_of(rows, 7, k, s),
+        8 => lanes_jet_of(rows, 8, k, s),
+        count => lanes_jet_of(rows, count, k, s),
+    }
+}
+
+/// [`lanes_jet`] of `count` rows.
+#[inline(always)]
+fn lanes_jet_of<const K: usize>(rows: &[Row<K>], count: usize, k: usize, s: Lanes) -> [Lanes; 3] {
+    let m = count - 1;
     let r = Lanes::splat(1.0) - s;
     // The basis of degree m − 2 meets the coefficients and their differences.
     let mut basis = [[Lanes::splat(0.0); WIDTH]; K];
-    let basis = basis.as_flattened_mut();
+    let basis = &mut basis.as_flattened_mut()[..m - 1];
     basis[0] = Lanes::splat(1.0);
     for degree in 1..m - 1 {
         basis[degree] = basis[degree - 1] * s;

@@ -166,14 +166,18 @@ impl<S: ParametricSurface + ?Sized> Problem<'_, S> {
     /// The longest acceptable step: clamped to the cell; else along the ray, first to the nearest bound,
     /// then to the first jump of a second derivative, then halved.
     fn search(&self, here: &Here, delta: [f64; 2]) -> Option<Here> {
-        let delta = [0, 1].map(|k| {
-            let axis = &self.axes[k];
-            let half_turn = if axis.wraps { 0.5 * axis.domain.length() } else { f64::INFINITY };
-            delta[k].clamp(-half_turn, half_turn)
-        });
+        let slope = |d: [f64; 2]| here.residual.dot(&(here.jet.du * d[0] + here.jet.dv * d[1]));
+        let half_turns =
+            self.axes.each_ref().map(|a| if a.wraps { 0.5 * a.domain.length() } else { f64::INFINITY });
+        let mut shorter = [0, 1].map(|k| delta[k].clamp(-half_turns[k], half_turns[k]));
+        if shorter != delta && slope(shorter) <= 0.0 {
+            // Next to a pole nearly all of a step may be a turn: what is left without it can lead uphill.
+            let share = (0..2).map(|k| shorter[k] / delta[k]).filter(|s| *s < 1.0).fold(1.0, f64::min);
+            shorter = delta.map(|d| d * share);
+        }
+        let delta = shorter;
         let accepts = |next: &Here| {
-            let [du, dv] = [0, 1].map(|k| next.at[k] - here.at[k]);
-            let promise = here.residual.dot(&(here.jet.du * du + here.jet.dv * dv));
+            let promise = slope([0, 1].map(|k| next.at[k] - here.at[k]));
             next.distance <= largest_distance(here.distance, promise, here.noise)
         };
         let clamped = [0, 1].map(|k| here.cells[k].clamp(here.at[k] + delta[k]));
