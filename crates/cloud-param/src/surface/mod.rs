@@ -1,0 +1,9 @@
+//! Base surfaces: through base curves, drawn to the cloud, relaxed.
+
+mod boundary;
+mod grid;
+mod refine;
+
+pub use boundary::{Boundary, dynamic_base_surface};
+pub use grid::{SampleGrid, grid_of_curves};
+pub use refine::{RefineOptions, RefineReport, RefineStep, refine};
