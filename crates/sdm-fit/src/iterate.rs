@@ -3,10 +3,11 @@
 use crate::assemble::{Normal, assemble};
 use crate::constraint::{Constraints, Prepared};
 use crate::layout::{Blocks, Layout};
+use crate::noise::{Noise, disagreement};
 use crate::options::{FitOptions, FootpointPolicy, StepControl};
 use crate::report::{FitReport, Fitted, StepRecord};
 use crate::shape::ActiveShape;
-use crate::smoothing::{Answer, Noise, Schedule, wanted};
+use crate::smoothing::{Answer, Schedule, wanted};
 use crate::target::{Feet, Samples, Target};
 use crate::weights::{measure, weights};
 use crate::{Error, Status};
@@ -233,49 +234,19 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
 
     /// The factor of the energy that the data ask for.
     fn ask(&mut self, normal: &Normal<D>, weights: &[f64]) -> Answer {
-        if self.disagreement(weights) < AGREE {
+        if disagreement(&self.shape, self.samples, &self.feet, weights) < AGREE {
             return Answer::NoNoise;
         }
         let tangent = (self.options.term != ErrorTerm::Tangent).then(|| {
             assemble(&self.layout, &self.shape, self.samples, &self.feet, weights, ErrorTerm::Tangent)
         });
         let normal = tangent.as_ref().unwrap_or(normal);
-        let (mut count, mut square) = (0, 0.0);
-        for (frame, weight) in self.feet.frames.iter().zip(weights).filter(|(_, w)| **w > 0.0) {
-            // Each sample tells as many distances as there are directions across the shape.
-            count += D.saturating_sub(frame.tangent_dimension).max(1);
-            square += weight * (frame.curvatures.amax() * frame.distance).powi(2).min(1.0);
-        }
-        let noise = Noise { count: count as f64, bend: square.sqrt() };
+        let noise = Noise::of(&self.feet, weights);
         let coefficients = self.shape.coefficients();
         let fixed = &self.side.fixed;
         let near = self.schedule.wanted;
         let found = wanted(&mut self.layout, normal, &self.energy, coefficients, fixed, &noise, near);
         found.map_or(Answer::NotAsked, Answer::Wanted)
-    }
-
-    /// Mean squared difference of the residuals of neighbours (in the order of cells and parameters) as a share of the mean square of all: 2 for
-    /// noise, near 0 where the shape systematically misses the data ([Ne41]).
-    fn disagreement(&self, weights: &[f64]) -> f64 {
-        let mut order: Vec<usize> = (0..weights.len()).filter(|&i| weights[i] > 0.0).collect();
-        let place = |i: usize| self.samples.parameter(&self.feet, i);
-        let cells: Vec<usize> = (0..weights.len())
-            .map(|i| if weights[i] > 0.0 { self.shape.cell(place(i)) } else { 0 })
-            .collect();
-        let key = |i: usize| (cells[i], place(i));
-        order.sort_by(|&a, &b| {
-            let ((cell_a, at_a), (cell_b, at_b)) = (key(a), key(b));
-            let parameters = at_a[0].total_cmp(&at_b[0]).then(at_a[1].total_cmp(&at_b[1]));
-            cell_a.cmp(&cell_b).then(parameters).then(a.cmp(&b))
-        });
-        let residual = |i: usize| {
-            let frame = &self.feet.frames[i];
-            frame.normal() * frame.distance
-        };
-        let squares: f64 = order.iter().map(|&i| residual(i).norm_squared()).sum();
-        let pairs = order.windows(2);
-        let changes: f64 = pairs.map(|p| (residual(p[1]) - residual(p[0])).norm_squared()).sum();
-        if squares > 0.0 { changes / squares } else { 0.0 }
     }
 
     fn search_for(&self, displacement: f64) -> Search {

@@ -28,6 +28,7 @@ pub mod curve;
 mod error;
 mod iterate;
 mod layout;
+mod noise;
 mod options;
 mod parallel;
 pub mod primitive;

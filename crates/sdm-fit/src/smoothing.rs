@@ -2,6 +2,7 @@
 
 use crate::assemble::Normal;
 use crate::layout::{Blocks, Layout};
+use crate::noise::Noise;
 use crate::options::Smoothing;
 use nalgebra::SVector;
 
@@ -11,8 +12,8 @@ const BETWEEN: [f64; 6] = [-0.75, -0.5, -0.25, 0.25, 0.5, 0.75];
 const AROUND: [f64; 7] = [-1.0, -0.5, -0.25, 0.0, 0.25, 0.5, 1.0];
 /// How much a degree of freedom counts: above 1, since the score by itself is easily misled to too little smoothing.
 const CAUTION: f64 = 1.4;
-/// Where distances are this share of the radius of curvature, a shape can follow the noise in more ways than the linearised problem knows:
-/// then more smoothing counts as good.
+/// Where distances are this share of the radius of curvature, a shape can follow the noise in more ways than the
+/// linearised problem knows: then more smoothing counts as good.
 const BENT: f64 = 0.1;
 /// A score that is worse by more than this share of the best is never as good.
 const AS_GOOD: f64 = 0.1;
@@ -110,8 +111,8 @@ impl Schedule {
 /// The largest factor whose score is as good as the best, from the normal equations of the tangent model.
 ///
 /// The score is `RSS / (1 − γ tr H / m)²` with the influence matrix `H = A (N + λE)⁻¹ Aᵀ` of the linearised problem and `m`
-/// distances ([CW79]; `γ` as in [KG04]). With a value that was found before only those `near` it are tried. `None` where no factor gives a
-/// finite one.
+/// distances ([CW79]; `γ` as in [KG04]). With a value that was found before only those `near` it are tried. `None`
+/// where no factor gives a finite one.
 pub(crate) fn wanted<const D: usize>(
     layout: &mut Layout,
     normal: &Normal<D>,
@@ -137,15 +138,6 @@ pub(crate) fn wanted<const D: usize>(
         scores.extend(question.score(layout, centre? + step));
     }
     best(&scores, slack)
-}
-
-/// What is known about the distances.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Noise {
-    /// Their number.
-    pub(crate) count: f64,
-    /// Root mean square of distance times curvature.
-    pub(crate) bend: f64,
 }
 
 /// What a factor of the energy is worth.

@@ -79,8 +79,8 @@ pub(super) fn to_tolerance<const D: usize>(
     Ok(state)
 }
 
-/// Options of runs that only have to show where knots are missing: little energy, but not none, since a shape that cannot fit yet would be
-/// distorted.
+/// Options of runs that only have to show where knots are missing: little energy, but not none, since a shape that
+/// cannot fit yet would be distorted.
 pub(super) fn coarse<const D: usize>(work: &Work<'_, D>) -> crate::FitOptions {
     let fit = work.loop_options();
     let fit = fit.with_max_iterations(fit.max_iterations.min(LOOK));
@@ -105,8 +105,8 @@ fn warm<const D: usize>(work: &Work<'_, D>) -> crate::FitOptions {
     }
 }
 
-/// The same curve with a knot more in every span that has points beyond the tolerance, at the middle of their squares; `None` where no more are
-/// allowed.
+/// The same curve with a knot more in every span that has points beyond the tolerance, at the middle of their squares;
+/// `None` where no more are allowed.
 fn refined<const D: usize>(
     work: &Work<'_, D>,
     curve: &BsplineCurve<D>,

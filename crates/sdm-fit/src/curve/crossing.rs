@@ -10,8 +10,8 @@ const STEPS: usize = 12;
 
 /// Pairs of parameters at which a plane curve crosses itself, the smaller one first; nothing for curves in space.
 ///
-/// Each span is replaced by 24 chords; crossings of these are then improved by Newton's method on the curve. Loops smaller than a chord
-/// can be missed.
+/// Each span is replaced by 24 chords; crossings of these are then improved by Newton's method on the curve. Loops
+/// smaller than a chord can be missed.
 #[must_use]
 pub fn self_crossings<const D: usize>(curve: &BsplineCurve<D>) -> Vec<[f64; 2]> {
     if D != 2 {

@@ -27,8 +27,9 @@ const SMOOTHER: [f64; 4] = [4.0, 16.0, 64.0, 256.0];
 
 /// Fits a curve to points of which nothing else is known, or from a given start.
 ///
-/// Order, closure, the first curve, the smoothing and the number of control points are found where they are not given; points that
-/// are not finite are left out and counted. The result is a local minimum of the orthogonal distances from the start.
+/// Order, closure, the first curve, the smoothing and the number of control points are found where they are not given;
+/// points that are not finite are left out and counted. The result is a local minimum of the orthogonal distances from
+/// the start.
 ///
 /// ```
 /// use nalgebra::Vector2;
@@ -43,7 +44,8 @@ const SMOOTHER: [f64; 4] = [4.0, 16.0, 64.0, 256.0];
 /// ```
 ///
 /// # Errors
-/// Input from which no curve can be computed: see [`Error`]. Not converging and tolerances that are not reached are told by the report.
+/// Input from which no curve can be computed: see [`Error`]. Not converging and tolerances that are not reached are
+/// told by the report.
 pub fn fit_curve<const D: usize>(
     points: &[SVector<f64, D>],
     start: Option<&BsplineCurve<D>>,
@@ -243,7 +245,8 @@ impl<'a, const D: usize> Work<'a, D> {
         self.finished(if better { other } else { state })
     }
 
-    /// Gauss-Newton steps where squared distance minimisation has come near the minimum but creeps along the curve (\[P05, sec. 4.3\]).
+    /// Gauss-Newton steps where squared distance minimisation has come near the minimum but creeps along the curve
+    /// (\[P05, sec. 4.3\]).
     pub(super) fn finished(&mut self, state: State<D>) -> Result<State<D>, Error> {
         let creeps = state.report.status == Status::MaxIterations
             && matches!(self.options.fit.smoothing, Smoothing::Automatic { .. })

@@ -101,8 +101,8 @@ pub(crate) fn along_order<const D: usize>(points: &[SVector<f64, D>]) -> Path<D>
     Path { nodes, gap, gap_limit, ordered: true }
 }
 
-/// The longest path in the tree of shortest edges between points drawn to a skeleton, for the narrowest neighbourhoods for which it passes all
-/// of them.
+/// The longest path in the tree of shortest edges between points drawn to a skeleton, for the narrowest neighbourhoods
+/// for which it passes all of them.
 pub(crate) fn through_cloud<const D: usize>(points: &[SVector<f64, D>]) -> Option<Path<D>> {
     let stride = points.len().div_ceil(SKELETON).max(1);
     let sample: Vec<SVector<f64, D>> = points.iter().step_by(stride).copied().collect();

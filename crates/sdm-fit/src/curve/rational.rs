@@ -1,7 +1,8 @@
 //! Control points and weights together: the extension to NURBS ([P05, sec. 4.1]).
 //!
-//! A rational curve is not linear in its unknowns; each step takes its derivatives by the control points `dᵢ` and by the logarithms of the
-//! weights `wᵢ`, which stay positive: `∂c/∂dᵢ = Rᵢ`, `∂c/∂ln wᵢ = Rᵢ (dᵢ − c)` with the rational basis functions `Rᵢ`.
+//! A rational curve is not linear in its unknowns; each step takes its derivatives by the control points `dᵢ` and by the
+//! logarithms of the weights `wᵢ`, which stay positive: `∂c/∂dᵢ = Rᵢ`, `∂c/∂ln wᵢ = Rᵢ (dᵢ − c)` with the rational basis
+//! functions `Rᵢ`.
 
 use super::fit::{State, Work};
 use super::start::Layout;
