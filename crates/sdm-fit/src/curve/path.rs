@@ -277,12 +277,9 @@ mod tests {
         (0..n).map(|i| angle * i as f64 / (n - 1) as f64).map(|a| Vector2::new(a.cos(), a.sin())).collect()
     }
 
-    /// A permutation without a pattern.
+    /// The points of a count that 77 has no factor in common with, in a scattered order.
     fn shuffled(points: &[Vector2<f64>]) -> Vec<Vector2<f64>> {
-        let n = points.len();
-        let step =
-            (1..n).rev().find(|s| (2..=*s).all(|d| n % d != 0 || s % d != 0) && *s < 2 * n / 3).unwrap();
-        (0..n).map(|i| points[i * step % n]).collect()
+        (0..points.len()).map(|i| points[i * 77 % points.len()]).collect()
     }
 
     #[test]
