@@ -2,11 +2,12 @@
 
 use crate::assemble::{Normal, assemble};
 use crate::constraint::{Constraints, Prepared};
+use crate::fairing::Fairing;
 use crate::layout::{Blocks, Layout};
 use crate::noise::{Noise, disagreement};
 use crate::options::{FitOptions, FootpointPolicy, StepControl};
 use crate::report::{FitReport, Fitted, StepRecord};
-use crate::shape::ActiveShape;
+use crate::shape::{ActiveShape, CellGram};
 use crate::smoothing::{Answer, Schedule, wanted};
 use crate::target::{Feet, Samples, Target};
 use crate::weights::{measure, weights};
@@ -84,7 +85,8 @@ pub fn fit_with_progress<const D: usize, S: ActiveShape<D>>(
         return Err(Error::TooFewPoints { total: samples.len(), finite: 0, needed: 1 });
     }
     let layout = Layout::new(shape.cells(), start.len());
-    let energy = layout.gram(shape.cells(), &shape.energy(options.energy));
+    let grams = shape.energy(options.energy);
+    let energy = layout.gram(shape.cells(), &grams);
     let initial_rms = measure(&feet, &weights(&samples, &feet, options.robust)).0.sqrt();
     let largest =
         (0..samples.len()).filter(|&i| feet.usable(i)).map(|i| feet.distance(i)).fold(0.0, f64::max);
@@ -94,6 +96,8 @@ pub fn fit_with_progress<const D: usize, S: ActiveShape<D>>(
         options,
         layout,
         energy,
+        grams,
+        fairing: None,
         size: extent(&start).max(largest).max(f64::MIN_POSITIVE),
         schedule: Schedule::new(options.smoothing),
         damping: 0.0,
@@ -122,6 +126,9 @@ struct Run<'a, const D: usize, S> {
     options: &'a FitOptions,
     layout: Layout,
     energy: Blocks,
+    /// The energy of each cell, and what it says about the tangent planes of the present step.
+    grams: Vec<CellGram>,
+    fairing: Option<Fairing>,
     /// Size of the region of shape and data.
     size: f64,
     schedule: Schedule,
@@ -153,17 +160,29 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
         coefficients.iter().zip(&image).map(|(a, b)| a.dot(b)).sum::<f64>().max(0.0)
     }
 
+    /// All energies with their factors.
+    fn energy_of(&self, coefficients: &[SVector<f64, D>]) -> f64 {
+        let fair = self.fairing.as_ref().map_or(0.0, |f| f.value(&self.layout, coefficients));
+        self.schedule.lambda * self.bend(coefficients) + fair
+    }
+
     /// One iteration; the status if it was the last.
     fn step(&mut self, progress: Progress<'_>) -> Result<Option<Status>, Error> {
         let lambda = self.schedule.lambda;
         let weights = weights(self.samples, &self.feet, self.options.robust);
         let evaluations = self.evaluations;
-        let normal =
+        let mut normal =
             assemble(&self.layout, &self.shape, self.samples, &self.feet, &weights, self.options.term);
         let answer = if self.schedule.asks() { self.ask(&normal, &weights) } else { Answer::NotAsked };
+        // Models of points fix the places in the tangent planes themselves.
+        let factor = if self.options.term == ErrorTerm::Point { 0.0 } else { self.options.fairing };
+        self.fairing = Fairing::new(&self.layout, &self.shape, &self.grams, factor);
+        if let Some(fairing) = &self.fairing {
+            fairing.add_to(&self.layout, &mut normal, self.shape.coefficients());
+        }
         let bend = self.layout.multiply(&self.energy, self.shape.coefficients());
         let vector: Vec<_> = normal.vector.iter().zip(&bend).map(|(v, b)| v - b * lambda).collect();
-        let cost = measure(&self.feet, &weights).0 + lambda * self.bend(self.shape.coefficients());
+        let cost = measure(&self.feet, &weights).0 + self.energy_of(self.shape.coefficients());
         let searched = self.search(&normal, &vector, &weights, cost)?;
         let trial = match searched {
             Searched::Found(trial) => trial,
@@ -364,7 +383,7 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
         }
         let displacement = self.share(step, factor);
         let feet = self.find(&shape, self.search_for(displacement))?;
-        let cost = measure(&feet, weights).0 + self.schedule.lambda * self.bend(&moved);
+        let cost = measure(&feet, weights).0 + self.energy_of(&moved);
         Ok(cost.is_finite().then_some(Trial { shape, feet, cost, displacement, factor }))
     }
 

@@ -26,6 +26,7 @@ mod assemble;
 mod constraint;
 pub mod curve;
 mod error;
+mod fairing;
 mod iterate;
 mod layout;
 mod noise;
@@ -36,6 +37,7 @@ mod report;
 mod shape;
 mod smoothing;
 mod status;
+mod surface;
 mod target;
 mod weights;
 
@@ -47,4 +49,8 @@ pub use options::{FitOptions, FootpointPolicy, Robust, Smoothing, StepControl};
 pub use report::{FitReport, Fitted, StepRecord};
 pub use shape::{ActiveShape, CellGram, CellTable};
 pub use status::Status;
+pub use surface::{
+    ActiveSurface, BaseShape, Folds, InitialSurface, NetSize, SurfaceFit, SurfaceOptions, SurfaceReport,
+    fit_cloud, fit_cloud_with_progress, fit_surface, fit_surface_with_progress, initial_surface,
+};
 pub use target::Target;

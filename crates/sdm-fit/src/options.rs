@@ -104,6 +104,10 @@ pub struct FitOptions {
     pub smoothing: Smoothing,
     /// Factors of the squared first, second and third derivatives in the energy; default 0.1, 1, 0.
     pub energy: [f64; 3],
+    /// Factor of the part of the energy that lies in the tangent planes, besides `λ`: it keeps parameter lines even, where
+    /// tangent and squared distance terms leave them to the noise, and hardly changes the shape; default 0. Only for shapes
+    /// with normals (surfaces).
+    pub fairing: f64,
     /// What is assumed about outliers; default [`Robust::None`].
     pub robust: Robust,
     /// How footpoints are found; default [`FootpointPolicy::Adaptive`].
@@ -127,6 +131,7 @@ impl Default for FitOptions {
             control: StepControl::Armijo,
             smoothing: Smoothing::default(),
             energy: [0.1, 1.0, 0.0],
+            fairing: 0.0,
             robust: Robust::None,
             footpoints: FootpointPolicy::Adaptive,
             max_iterations: 100,
@@ -158,6 +163,8 @@ impl FitOptions {
         with_smoothing(smoothing: Smoothing);
         /// The same options with another energy.
         with_energy(energy: [f64; 3]);
+        /// The same options with another fairing of the parameterisation.
+        with_fairing(fairing: f64);
         /// The same options with another assumption about outliers.
         with_robust(robust: Robust);
         /// The same options with another way to find footpoints.
@@ -195,6 +202,7 @@ impl FitOptions {
         };
         at_least_0("tolerance", self.tolerance)?;
         at_least_0("cost_tolerance", self.cost_tolerance)?;
+        at_least_0("fairing", self.fairing)?;
         self.energy.into_iter().try_for_each(|value| at_least_0("energy", value))?;
         at_least_0("abs_goal", self.abs_goal.unwrap_or(0.0))?;
         match self.smoothing {
