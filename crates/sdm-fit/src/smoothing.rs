@@ -15,6 +15,8 @@ const CAUTION: f64 = 1.4;
 /// Where distances are this share of the radius of curvature, a shape can follow the noise in more ways than the
 /// linearised problem knows: then more smoothing counts as good.
 const BENT: f64 = 0.1;
+/// Relative accuracy of scores that are estimated.
+const ESTIMATED: f64 = 0.002;
 /// A score that is worse by more than this share of the best is never as good.
 const AS_GOOD: f64 = 0.1;
 /// Unknowns up to which the trace is exact; above it is estimated from random vectors.
@@ -122,7 +124,11 @@ pub(crate) fn wanted<const D: usize>(
     noise: &Noise,
     near: Option<f64>,
 ) -> Option<f64> {
-    let (count, slack) = (noise.count, (noise.bend / BENT).powi(4).min(1.0));
+    let count = noise.count;
+    let slack = Slack {
+        share: (noise.bend / BENT).powi(4).min(1.0),
+        least: if noise.surface { ESTIMATED } else { 0.0 },
+    };
     let bend = layout.multiply(energy, coefficients);
     let question = Question { normal, energy, bend, fixed, count };
     let mut scores: Vec<Score> = Vec::new();
@@ -149,11 +155,19 @@ struct Score {
     variance: f64,
 }
 
-/// The largest factor that is as good as the best: what it adds to the squared error is not more than a share `slack` of what
-/// noise leaves in the shape anyway.
-fn best(scores: &[Score], slack: f64) -> Option<f64> {
+/// How much worse than the best a score may be to count as good.
+#[derive(Clone, Copy, Debug)]
+struct Slack {
+    /// Share of what noise leaves in the shape anyway.
+    share: f64,
+    /// Share of the score.
+    least: f64,
+}
+
+/// The largest factor that is as good as the best.
+fn best(scores: &[Score], slack: Slack) -> Option<f64> {
     let least = scores.iter().min_by(|a, b| a.value.total_cmp(&b.value))?;
-    let bound = least.value * (1.0 + (slack * least.variance).min(AS_GOOD));
+    let bound = least.value * (1.0 + (slack.share * least.variance).min(AS_GOOD).max(slack.least));
     scores.iter().filter(|s| s.value <= bound).map(|s| s.lambda).max_by(f64::total_cmp)
 }
 
