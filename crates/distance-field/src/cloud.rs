@@ -15,6 +15,8 @@ use nurbs_core::Aabb;
 const RING: usize = 16;
 /// Angle in radians without a neighbour that makes a point one of the border.
 const BORDER_GAP: f64 = 2.2;
+/// How far from a point, in multiples of the spacing there, a query may be for the point to bound the search.
+const CLOSE: f64 = 1.5;
 /// How far a foot may lie from the nearest point, in multiples of the spacing there.
 const REACH: f64 = 2.0;
 
@@ -54,7 +56,7 @@ impl CloudOptions {
 /// lies. Meant for queries that are far from the surface compared with nothing but the spacing of the points; the error
 /// is that of the estimated normals and curvatures, and of the noise of the cloud. Points at the border of an open cloud
 /// are recognised by the largest angle without neighbours, and feet on them have
-/// [`on_boundary`](PrincipalFrame::on_boundary). Hints are not used.
+/// [`on_boundary`](PrincipalFrame::on_boundary). Hints shorten the search for the nearest point and do not change it.
 ///
 /// ```
 /// use distance_field::{CloudField, DistanceField, Hint, Search};
@@ -167,13 +169,26 @@ fn is_border(points: &[Point3<f64>], i: usize, near: &[Neighbour], frame: &Curva
     angles.windows(2).map(|pair| pair[1] - pair[0]).fold(around, f64::max) > BORDER_GAP
 }
 
+impl CloudField {
+    /// The point nearest to `x`, which is relative to the centre.
+    fn nearest(&self, x: &Vector3<f64>, search: Search, hint: &Hint) -> Option<Neighbour> {
+        let hinted = hint.element_below(self.patches.len()).filter(|_| search != Search::Global);
+        let bound = hinted.map(|i| ((x - self.patches[i].point).norm(), self.patches[i].spacing));
+        let close = bound.filter(|(distance, spacing)| *distance <= CLOSE * spacing);
+        // A little more, for what rounding takes from the distance.
+        let found = close
+            .and_then(|(distance, _)| self.index.nearest_within(&Point3::from(*x), distance * (1.0 + 1e-9)));
+        found.or_else(|| self.index.nearest(&Point3::from(*x)))
+    }
+}
+
 impl DistanceField<3> for CloudField {
-    fn frame(&self, x: &Vector3<f64>, _search: Search, _hint: &Hint) -> PrincipalFrame<3> {
+    fn frame(&self, x: &Vector3<f64>, search: Search, hint: &Hint) -> PrincipalFrame<3> {
         if !x.iter().all(|c| c.is_finite()) {
             return PrincipalFrame::invalid(Status::InvalidPoint);
         }
         let x = x - self.centre;
-        let Some(nearest) = self.index.nearest(&Point3::from(x)) else {
+        let Some(nearest) = self.nearest(&x, search, hint) else {
             return PrincipalFrame::invalid(Status::Diverged);
         };
         let patch = &self.patches[nearest.index];

@@ -4,7 +4,7 @@
 mod common;
 
 use common::{Numbers, check_frame, global_frame, sphere_mesh, wavy};
-use distance_field::{CloudField, CloudOptions, Error, ErrorTerm};
+use distance_field::{CloudField, CloudOptions, DistanceField, Error, ErrorTerm, Hint, Search};
 use footpoint::Status;
 use nalgebra::{Point3, Vector3};
 use nurbs_core::ParametricSurface;
@@ -82,5 +82,22 @@ fn poor_clouds_and_queries_do_no_harm() {
         assert!(frame.is_finite() && frame.on_boundary, "{frame:?}");
         assert_eq!(global_frame(&field, &Vector3::repeat(f64::NAN)).status, Status::InvalidPoint);
         assert!(!global_frame(&field, &Vector3::repeat(1e200)).is_finite());
+    }
+}
+
+#[test]
+fn hints_change_nothing() {
+    let points = sphere_mesh(40, 2.0).vertices().to_vec();
+    let field = CloudField::new(&points, None).unwrap();
+    let mut numbers = Numbers::new(9);
+    let queries: Vec<Vector3<f64>> =
+        (0..400).map(|_| numbers.direction::<3>() * (1.9 + 0.2 * numbers.next())).collect();
+    let hints: Vec<Hint> =
+        field.frames(&queries, Search::Global, &[]).iter().map(|frame| frame.hint).collect();
+    for step in [0.0, 0.01, 0.1, 1.0] {
+        let moved: Vec<_> = queries.iter().map(|x| x + numbers.direction::<3>() * step).collect();
+        let global = field.frames(&moved, Search::Global, &[]);
+        assert_eq!(field.frames(&moved, Search::Local, &hints), global);
+        assert_eq!(field.frames(&moved, Search::OneStep, &hints), global);
     }
 }

@@ -36,6 +36,7 @@ fn agrees<const D: usize>(points: &[Point<f64, D>], x: &Point<f64, D>, count: us
     assert_eq!(index.nearest(x), expected.first().copied());
     assert_eq!(index.nearest_n(x, count), expected[..count.min(expected.len())]);
     let within: Vec<_> = expected.iter().filter(|n| n.distance_sq <= radius * radius).copied().collect();
+    assert_eq!(index.nearest_within(x, radius), within.first().copied());
     assert_eq!(index.within(x, radius), within);
 }
 
