@@ -9,7 +9,7 @@ mod picture;
 mod profile;
 mod scale;
 mod side_view;
-mod svg;
+pub(crate) mod svg;
 
 pub(crate) use bolt::{Bolt, Zones};
 pub(crate) use data::Data;
