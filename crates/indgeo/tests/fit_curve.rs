@@ -115,7 +115,7 @@ fn bad_input_says_what_and_what_to_do() {
         ("fit-curve same.xyz -o c.json", "1 of 5 points can be used"),
         ("fit-curve line.xyz -o c.json --closed", "on a line"),
         ("fit-curve points.xyz -o c.json --controls 31", "at least 31 are needed"),
-        ("fit-curve points.xyz -o c.json --tolerance -1", "tolerance"),
+        ("fit-curve points.xyz -o c.json --tolerance 0", "tolerance"),
         ("fit-curve points.xyz -o c.json --smoothing much", "auto, continuation"),
         ("fit-curve points.xyz -o points.xyz", "overwrite an input"),
         ("fit-curve points.xyz -o c.json --init points.xyz", "overwrite|holds none"),
