@@ -3,6 +3,7 @@
 use crate::registration_report::RegistrationResults;
 use crate::selftest::Check;
 use crate::views_report::ViewsResults;
+use industrial_geometry::fit::SurfaceReport;
 use industrial_geometry::fit::curve::CurveReport;
 use industrial_geometry::inspection::{Inspection, Statistics};
 use industrial_geometry::io::ReadReport;
@@ -168,6 +169,8 @@ pub(crate) enum Results {
     Views(Box<ViewsResults>),
     /// Of a fit of a curve.
     Curve(Box<CurveReport>),
+    /// Of a fit of a surface.
+    Surface(Box<SurfaceReport>),
     /// Of `selftest`.
     Checks(Vec<Check>),
     /// Of `info`.
