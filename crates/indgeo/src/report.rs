@@ -1,5 +1,6 @@
 //! The machine-readable report of a command (`--json`).
 
+use crate::parameterizing::ParameterResults;
 use crate::registration_report::RegistrationResults;
 use crate::selftest::Check;
 use crate::views_report::ViewsResults;
@@ -165,6 +166,8 @@ pub(crate) enum Results {
     Registration(Box<RegistrationResults>),
     /// Of a registration of many views.
     Views(Box<ViewsResults>),
+    /// Of a parameterisation.
+    Parameters(Box<ParameterResults>),
     /// Of `selftest`.
     Checks(Vec<Check>),
     /// Of `info`.
