@@ -2,10 +2,11 @@
 
 use crate::assemble::{Normal, assemble};
 use crate::constraint::{Constraints, Prepared};
+use crate::fairing::Fairing;
 use crate::layout::{Blocks, Layout};
 use crate::options::{FitOptions, FootpointPolicy, StepControl};
 use crate::report::{FitReport, Fitted, StepRecord};
-use crate::shape::ActiveShape;
+use crate::shape::{ActiveShape, CellGram};
 use crate::smoothing::{Schedule, wanted};
 use crate::target::{Feet, Samples, Target};
 use crate::weights::{measure, weights};
@@ -40,8 +41,7 @@ const LEAST: f64 = 1e-13;
 const LIFT: f64 = 10.0;
 /// A shape this much larger than the first one and the data has run away.
 const AWAY: f64 = 1e3;
-/// Relative change of the cost that is none, and the iterations in a row after which the fit ends.
-const NO_CHANGE: f64 = 1e-9;
+/// Iterations in a row without a change of the cost after which the fit ends.
 const PATIENCE: usize = 3;
 
 /// Fits a shape to data points or a model from where it is (\[P05, sec. 4\]).
@@ -79,7 +79,8 @@ pub fn fit_with_progress<const D: usize, S: ActiveShape<D>>(
         return Err(Error::TooFewPoints { total: samples.len(), finite: 0, needed: 1 });
     }
     let layout = Layout::new(shape.cells(), start.len());
-    let energy = layout.gram(shape.cells(), &shape.energy(options.energy));
+    let grams = shape.energy(options.energy);
+    let energy = layout.gram(shape.cells(), &grams);
     let initial_rms = measure(&feet, &weights(&samples, &feet, options.robust)).0.sqrt();
     let largest =
         (0..samples.len()).filter(|&i| feet.usable(i)).map(|i| feet.distance(i)).fold(0.0, f64::max);
@@ -89,6 +90,8 @@ pub fn fit_with_progress<const D: usize, S: ActiveShape<D>>(
         options,
         layout,
         energy,
+        grams,
+        fairing: None,
         size: extent(&start).max(largest).max(f64::MIN_POSITIVE),
         schedule: Schedule::new(options.smoothing),
         damping: 0.0,
@@ -117,6 +120,9 @@ struct Run<'a, const D: usize, S> {
     options: &'a FitOptions,
     layout: Layout,
     energy: Blocks,
+    /// The energy of each cell, and what it says about the tangent planes of the present step.
+    grams: Vec<CellGram>,
+    fairing: Option<Fairing>,
     /// Size of the region of shape and data.
     size: f64,
     schedule: Schedule,
@@ -148,17 +154,29 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
         coefficients.iter().zip(&image).map(|(a, b)| a.dot(b)).sum::<f64>().max(0.0)
     }
 
+    /// All energies with their factors.
+    fn energy_of(&self, coefficients: &[SVector<f64, D>]) -> f64 {
+        let fair = self.fairing.as_ref().map_or(0.0, |f| f.value(&self.layout, coefficients));
+        self.schedule.lambda * self.bend(coefficients) + fair
+    }
+
     /// One iteration; the status if it was the last.
     fn step(&mut self, progress: Progress<'_>) -> Result<Option<Status>, Error> {
         let lambda = self.schedule.lambda;
         let weights = weights(self.samples, &self.feet, self.options.robust);
         let evaluations = self.evaluations;
-        let normal =
+        let mut normal =
             assemble(&self.layout, &self.shape, self.samples, &self.feet, &weights, self.options.term);
         let wanted = if self.schedule.asks() { self.ask(&normal, &weights) } else { None };
+        // Models of points fix the places in the tangent planes themselves.
+        let factor = if self.options.term == ErrorTerm::Point { 0.0 } else { self.options.fairing };
+        self.fairing = Fairing::new(&self.layout, &self.shape, &self.grams, factor);
+        if let Some(fairing) = &self.fairing {
+            fairing.add_to(&self.layout, &mut normal, self.shape.coefficients());
+        }
         let bend = self.layout.multiply(&self.energy, self.shape.coefficients());
         let vector: Vec<_> = normal.vector.iter().zip(&bend).map(|(v, b)| v - b * lambda).collect();
-        let cost = measure(&self.feet, &weights).0 + lambda * self.bend(self.shape.coefficients());
+        let cost = measure(&self.feet, &weights).0 + self.energy_of(self.shape.coefficients());
         let searched = self.search(&normal, &vector, &weights, cost)?;
         let trial = match searched {
             Searched::Found(trial) => trial,
@@ -215,7 +233,7 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
         if self.options.abs_goal.is_some_and(|goal| rms <= goal) {
             return Ok(Some(Status::Converged));
         }
-        let still = (cost - trial.cost).abs() <= NO_CHANGE * cost.abs();
+        let still = (cost - trial.cost).abs() <= self.options.cost_tolerance * cost.abs();
         self.quiet = if still { self.quiet + 1 } else { 0 };
         let full = trial.factor == 1.0 && self.damping == 0.0;
         let settled = self.schedule.is_settled();
@@ -354,7 +372,7 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
         }
         let displacement = self.share(step, factor);
         let feet = self.find(&shape, self.search_for(displacement))?;
-        let cost = measure(&feet, weights).0 + self.schedule.lambda * self.bend(&moved);
+        let cost = measure(&feet, weights).0 + self.energy_of(&moved);
         Ok(cost.is_finite().then_some(Trial { shape, feet, cost, displacement, factor }))
     }
 

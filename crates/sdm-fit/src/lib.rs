@@ -26,6 +26,7 @@ mod assemble;
 mod constraint;
 mod curve;
 mod error;
+mod fairing;
 mod iterate;
 mod layout;
 mod options;
@@ -35,6 +36,7 @@ mod report;
 mod shape;
 mod smoothing;
 mod status;
+mod surface;
 mod target;
 mod weights;
 
@@ -46,4 +48,8 @@ pub use options::{FitOptions, FootpointPolicy, Robust, Smoothing, StepControl};
 pub use report::{FitReport, Fitted, StepRecord};
 pub use shape::{ActiveShape, CellGram, CellTable};
 pub use status::Status;
+pub use surface::{
+    ActiveSurface, BaseShape, Folds, InitialSurface, NetSize, SurfaceFit, SurfaceOptions, SurfaceReport,
+    fit_cloud, fit_cloud_with_progress, fit_surface, fit_surface_with_progress, initial_surface,
+};
 pub use target::Target;

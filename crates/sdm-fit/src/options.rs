@@ -101,8 +101,12 @@ pub struct FitOptions {
     pub control: StepControl,
     /// How much the energy counts; default [`Smoothing::Automatic`].
     pub smoothing: Smoothing,
-    /// Factors of the squared first, second and third derivatives in the energy; default 0, 1, 0.
+    /// Factors of the squared first, second and third derivatives in the energy; default 0.1, 1, 0.
     pub energy: [f64; 3],
+    /// Factor of the part of the energy that lies in the tangent planes, besides `λ`: it keeps parameter lines even, where
+    /// tangent and squared distance terms leave them to the noise, and hardly changes the shape; default 0. Only for shapes
+    /// with normals (surfaces).
+    pub fairing: f64,
     /// What is assumed about outliers; default [`Robust::None`].
     pub robust: Robust,
     /// How footpoints are found; default [`FootpointPolicy::Adaptive`].
@@ -111,6 +115,8 @@ pub struct FitOptions {
     pub max_iterations: usize,
     /// Stop when no coefficient moves by more than this share of the size of the shape; default 1e-10.
     pub tolerance: f64,
+    /// Stop when the cost changes by no more than this share in three iterations one after the other; default 1e-7.
+    pub cost_tolerance: f64,
     /// Stop when the root mean square distance is not above this; default none.
     pub abs_goal: Option<f64>,
     /// Whether the coefficients of every iteration are kept, to draw the evolution of the shape; default not.
@@ -123,11 +129,13 @@ impl Default for FitOptions {
             term: ErrorTerm::SquaredDistance,
             control: StepControl::Armijo,
             smoothing: Smoothing::default(),
-            energy: [0.0, 1.0, 0.0],
+            energy: [0.1, 1.0, 0.0],
+            fairing: 0.0,
             robust: Robust::None,
             footpoints: FootpointPolicy::Adaptive,
             max_iterations: 100,
             tolerance: 1e-10,
+            cost_tolerance: 1e-7,
             abs_goal: None,
             evolution: false,
         }
@@ -154,6 +162,8 @@ impl FitOptions {
         with_smoothing(smoothing: Smoothing);
         /// The same options with another energy.
         with_energy(energy: [f64; 3]);
+        /// The same options with another fairing of the parameterisation.
+        with_fairing(fairing: f64);
         /// The same options with another assumption about outliers.
         with_robust(robust: Robust);
         /// The same options with another way to find footpoints.
@@ -162,6 +172,8 @@ impl FitOptions {
         with_max_iterations(max_iterations: usize);
         /// The same options with another tolerance on the displacement.
         with_tolerance(tolerance: f64);
+        /// The same options with another tolerance on the cost.
+        with_cost_tolerance(cost_tolerance: f64);
         /// The same options with or without a distance that is good enough.
         with_abs_goal(abs_goal: Option<f64>);
         /// The same options, keeping the evolution or not.
@@ -188,6 +200,8 @@ impl FitOptions {
             }
         };
         at_least_0("tolerance", self.tolerance)?;
+        at_least_0("cost_tolerance", self.cost_tolerance)?;
+        at_least_0("fairing", self.fairing)?;
         self.energy.into_iter().try_for_each(|value| at_least_0("energy", value))?;
         at_least_0("abs_goal", self.abs_goal.unwrap_or(0.0))?;
         match self.smoothing {

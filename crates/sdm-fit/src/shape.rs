@@ -96,6 +96,12 @@ pub trait ActiveShape<const D: usize>: Clone + Send + Sync {
     /// occur (`|s_uu|² + 2 |s_uv|² + |s_vv|²`, the thin plate, for the second).
     fn energy(&self, weights: [f64; 3]) -> Vec<CellGram>;
 
+    /// A unit normal for each cell, across which the fairing of the parameterisation does not act, and how much the cell
+    /// counts in it, at least 1 ([`FitOptions::fairing`](crate::FitOptions::fairing)); empty for shapes without fairing.
+    fn tangent_planes(&self) -> Vec<(SVector<f64, D>, f64)> {
+        Vec::new()
+    }
+
     /// The frames of points at their footpoints on this shape, with the parameter in
     /// [`hint.parameter`](distance_field::Hint::parameter).
     ///

@@ -9,8 +9,8 @@ use nalgebra::SVector;
 const DECADES: [i32; 2] = [-14, 1];
 /// How much a degree of freedom counts: above 1, since the score by itself is easily misled to too little smoothing.
 const CAUTION: f64 = 1.4;
-/// A score within this share of the best is as good.
-const AS_GOOD: f64 = 0.002;
+/// A score that is worse by more than this share of the best is never as good.
+const AS_GOOD: f64 = 0.1;
 /// Unknowns up to which the trace is exact; above it is estimated from random vectors.
 const EXACT: usize = 400;
 /// Number of random vectors.
@@ -98,21 +98,32 @@ pub(crate) fn wanted<const D: usize>(
 ) -> Option<f64> {
     let bend = layout.multiply(energy, coefficients);
     let question = Question { normal, energy, bend, fixed, count };
-    let mut scores: Vec<(f64, f64)> = Vec::new();
+    let mut scores: Vec<Score> = Vec::new();
     for decade in DECADES[0]..=DECADES[1] {
-        scores.extend(question.scored(layout, f64::from(decade)));
+        scores.extend(question.score(layout, f64::from(decade)));
     }
     let coarse = best(&scores)?.log10();
     for step in [-0.75, -0.5, -0.25, 0.25, 0.5, 0.75] {
-        scores.extend(question.scored(layout, coarse + step));
+        scores.extend(question.score(layout, coarse + step));
     }
     best(&scores)
 }
 
-fn best(scores: &[(f64, f64)]) -> Option<f64> {
-    let least = scores.iter().map(|s| s.1).min_by(f64::total_cmp)?;
-    let good = scores.iter().filter(|s| s.1 <= least * (1.0 + AS_GOOD));
-    good.map(|s| s.0).max_by(f64::total_cmp)
+/// What a factor of the energy is worth.
+#[derive(Clone, Copy, Debug)]
+struct Score {
+    lambda: f64,
+    value: f64,
+    /// Share of the noise that remains in the fitted shape, `tr H / m`.
+    variance: f64,
+}
+
+/// The largest factor that is as good as the best: what it adds to the squared error is not more than what noise leaves in
+/// the shape anyway.
+fn best(scores: &[Score]) -> Option<f64> {
+    let least = scores.iter().min_by(|a, b| a.value.total_cmp(&b.value))?;
+    let bound = least.value * (1.0 + least.variance.min(AS_GOOD));
+    scores.iter().filter(|s| s.value <= bound).map(|s| s.lambda).max_by(f64::total_cmp)
 }
 
 /// The linearised problem at the present state of the shape.
@@ -127,12 +138,8 @@ struct Question<'a, const D: usize> {
 }
 
 impl<const D: usize> Question<'_, D> {
-    fn scored(&self, layout: &mut Layout, exponent: f64) -> Option<(f64, f64)> {
+    fn score(&self, layout: &mut Layout, exponent: f64) -> Option<Score> {
         let lambda = 10f64.powf(exponent);
-        self.score(layout, lambda).map(|score| (lambda, score))
-    }
-
-    fn score(&self, layout: &mut Layout, lambda: f64) -> Option<f64> {
         let Self { normal, energy, bend, fixed, count } = self;
         let damping = 1e-13 * layout.mean_diagonal::<D>(&normal.matrix);
         let factor = layout.factor::<D>(&normal.matrix, (lambda, energy), damping, fixed)?;
@@ -172,7 +179,9 @@ impl<const D: usize> Question<'_, D> {
             }
         }
         let freedom = 1.0 - CAUTION * trace / count;
-        (freedom > 0.0).then(|| rss.max(0.0) / (freedom * freedom)).filter(|s| s.is_finite())
+        let value = rss.max(0.0) / (freedom * freedom);
+        let variance = trace / count;
+        (freedom > 0.0 && value.is_finite()).then_some(Score { lambda, value, variance })
     }
 }
 

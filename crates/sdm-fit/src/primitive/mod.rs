@@ -25,7 +25,7 @@ mod model;
 mod options;
 mod round;
 mod shapes;
-mod start;
+pub(crate) mod start;
 mod sums;
 mod turned;
 

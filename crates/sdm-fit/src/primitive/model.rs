@@ -105,7 +105,7 @@ pub(super) fn turning(n: &Vector3<f64>, x: &Vector3<f64>, pivot: &Vector3<f64>, 
 }
 
 /// A unit vector normal to a unit vector.
-pub(super) fn normal_to(z: &Vector3<f64>) -> Vector3<f64> {
+pub(crate) fn normal_to(z: &Vector3<f64>) -> Vector3<f64> {
     let mut reference = Vector3::zeros();
     reference[z.iamin()] = 1.0;
     orthonormal(z, &reference)

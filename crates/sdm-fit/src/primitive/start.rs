@@ -1,7 +1,7 @@
 //! Initial values from the points alone.
 
 use super::flat::{LineModel, PlaneModel};
-use super::model::normal_to;
+pub(crate) use super::model::normal_to;
 use super::round::{BallModel, CircleModel};
 use super::turned::{ConeModel, CylinderModel, TorusModel};
 use mesh_core::{NormalOptions, Orientation, estimate_normals};
@@ -17,17 +17,19 @@ const JUDGES: usize = 250;
 const FLAT: f64 = 1e-11;
 
 /// Every k-th point, so that about `count` are left.
-pub(super) fn thinned<T: Copy>(points: &[T], count: usize) -> Vec<T> {
+pub(crate) fn thinned<T: Copy>(points: &[T], count: usize) -> Vec<T> {
     points.iter().copied().step_by(points.len().div_ceil(count.max(1)).max(1)).collect()
 }
 
 /// Mean of some points.
-pub(super) fn mean<const D: usize>(points: &[SVector<f64, D>]) -> SVector<f64, D> {
+pub(crate) fn mean<const D: usize>(points: &[SVector<f64, D>]) -> SVector<f64, D> {
     points.iter().sum::<SVector<f64, D>>() / points.len().max(1) as f64
 }
 
 /// Mean and principal axes, longest first.
-fn principal<const D: usize>(points: &[SVector<f64, D>]) -> (SVector<f64, D>, Vec<SVector<f64, D>>) {
+pub(crate) fn principal<const D: usize>(
+    points: &[SVector<f64, D>],
+) -> (SVector<f64, D>, Vec<SVector<f64, D>>) {
     let centre = mean(points);
     let mut scatter: DMatrix<f64> = DMatrix::zeros(D, D);
     for x in points {
@@ -46,7 +48,7 @@ fn principal<const D: usize>(points: &[SVector<f64, D>]) -> (SVector<f64, D>, Ve
 }
 
 /// Dimension of the space that the points span, up to a tolerance: 0 for points in one place, and so on.
-pub(super) fn rank<const D: usize>(points: &[SVector<f64, D>], tolerance: f64) -> usize {
+pub(crate) fn rank<const D: usize>(points: &[SVector<f64, D>], tolerance: f64) -> usize {
     let (centre, axes) = principal(points);
     // The spread along the axes is lost in rounding where it is below a hundred millionth of the largest one: measured.
     (0..D)
@@ -67,7 +69,7 @@ pub(super) fn plane(points: &[Vector3<f64>]) -> Vec<PlaneModel> {
 
 /// The algebraic circle or sphere of [Ta91]: the right singular vector of the rows `((|x|² − m)/(2√m), x)` about the mean, `m` the
 /// mean of `|x|²`. Hardly biased on short arcs. `None` if the points lie on a line or a plane.
-pub(super) fn taubin<const D: usize>(points: &[SVector<f64, D>]) -> Option<(SVector<f64, D>, f64)> {
+pub(crate) fn taubin<const D: usize>(points: &[SVector<f64, D>]) -> Option<(SVector<f64, D>, f64)> {
     let centre = mean(points);
     let square = points.iter().map(|x| (x - centre).norm_squared()).sum::<f64>() / points.len().max(1) as f64;
     if square.is_nan() || square <= 0.0 || points.len() <= D {
@@ -135,7 +137,7 @@ fn directions(points: &[Vector3<f64>], lines: &[(Vector3<f64>, Vector3<f64>)]) -
 
 /// Axes suggested by normals: the line that meets all normals best (its linear complex has pitch 0, [PW01]), and the directions
 /// that make the steadiest angle with them (cones, cylinders).
-fn axes_of_normals(points: &[Vector3<f64>]) -> Vec<(Vector3<f64>, Vector3<f64>)> {
+pub(crate) fn axes_of_normals(points: &[Vector3<f64>]) -> Vec<(Vector3<f64>, Vector3<f64>)> {
     if points.len() < 30 {
         return Vec::new();
     }

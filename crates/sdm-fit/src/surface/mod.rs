@@ -1,0 +1,17 @@
+//! Tensor product surfaces.
+
+mod active;
+mod base;
+mod edge;
+mod fit;
+mod folds;
+mod initial;
+mod refine;
+
+pub use active::ActiveSurface;
+pub use fit::{
+    SurfaceFit, SurfaceOptions, SurfaceReport, fit_cloud, fit_cloud_with_progress, fit_surface,
+    fit_surface_with_progress,
+};
+pub use folds::Folds;
+pub use initial::{BaseShape, InitialSurface, NetSize, initial_surface};
