@@ -121,8 +121,15 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
     timings.write = seconds;
     report.timings = timings;
     let converged = found.is_converged();
-    report.results = Some(Results::Parameters(Box::new(results(found, fitted, job.fit))));
-    Ok(converged)
+    let results = results(found, fitted, job.fit);
+    let folded = results.fit.as_ref().map_or(0, |fit| fit.defects.crossovers);
+    if folded > 0 {
+        report.warnings.push(format!(
+            "the fitted surface folds in {folded} cells; try other numbers of --control-points, or fewer --corrections"
+        ));
+    }
+    report.results = Some(Results::Parameters(Box::new(results)));
+    Ok(converged && folded == 0)
 }
 
 const ADVICE: &str = "see `indgeo parameterize --help`, and check the file with `indgeo info`";

@@ -78,7 +78,7 @@ const AFTER_HELP: &str = "\
 The report (--json) says what kind of surface was found and why, the axis, the number of views, the distances at every step, self-loops
 and crossovers, the share of the points with one closest point only, and the time of each stage.
 
-Exit status 0: the base surface follows the points and has no folds; 1: it folds, lies over large holes, or many points lie beyond its
+Exit status 0: the surfaces follow the points and have no folds; 1: one folds, the base surface lies over large holes, or many points lie beyond its
 ends (files are written nevertheless); 2: bad input or usage, as points that do not go around the axis.
 
 Examples:
