@@ -1,7 +1,7 @@
 //! What can be typed.
 
 use crate::commands::{
-    convert, demo, info, inspect, parameterize, project, register, register_views, selftest,
+    convert, demo, fit_surface, info, inspect, parameterize, project, register, register_views, selftest,
 };
 use clap::{Args, Parser, Subcommand};
 use std::path::{Path, PathBuf};
@@ -27,6 +27,7 @@ Examples:
   indgeo register part.stl scan.ply -o moved.ply --transform pose.json
   indgeo register-views scan1.ply scan2.ply scan3.ply -o aligned
   indgeo parameterize scan.ply -o base.json --params uv.csv
+  indgeo fit-surface scan.ply -o surface.json --tolerance 0.05
   indgeo info scan.ply";
 
 #[derive(Debug, Subcommand)]
@@ -36,6 +37,7 @@ pub(crate) enum Command {
     Register(register::Args),
     RegisterViews(register_views::Args),
     Parameterize(parameterize::Args),
+    FitSurface(fit_surface::Args),
     Convert(convert::Args),
     Info(info::Args),
     Demo(demo::Args),
@@ -51,6 +53,7 @@ impl Command {
             Self::Register(args) => args.files(),
             Self::RegisterViews(args) => args.files(),
             Self::Parameterize(args) => args.files(),
+            Self::FitSurface(args) => args.files(),
             Self::Convert(args) => (vec![&args.input], vec![args.output.clone()]),
             Self::Info(args) => (args.files.iter().map(PathBuf::as_path).collect(), Vec::new()),
             Self::Demo(args) => (Vec::new(), args.results().to_vec()),
@@ -66,6 +69,7 @@ impl Command {
             Self::Register(_) => "register",
             Self::RegisterViews(_) => "register-views",
             Self::Parameterize(_) => "parameterize",
+            Self::FitSurface(_) => "fit-surface",
             Self::Convert(_) => "convert",
             Self::Info(_) => "info",
             Self::Demo(_) => "demo",

@@ -6,6 +6,7 @@ mod commands;
 mod demo;
 mod error;
 mod files;
+mod fitting_surface;
 mod inspecting;
 mod model;
 mod moving;

@@ -4,6 +4,7 @@ use crate::parameterizing::ParameterResults;
 use crate::registration_report::RegistrationResults;
 use crate::selftest::Check;
 use crate::views_report::ViewsResults;
+use industrial_geometry::fit::SurfaceReport;
 use industrial_geometry::inspection::{Inspection, Statistics};
 use industrial_geometry::io::ReadReport;
 use serde::Serialize;
@@ -168,6 +169,8 @@ pub(crate) enum Results {
     Views(Box<ViewsResults>),
     /// Of a parameterisation.
     Parameters(Box<ParameterResults>),
+    /// Of a fit of a surface.
+    Surface(Box<SurfaceReport>),
     /// Of `selftest`.
     Checks(Vec<Check>),
     /// Of `info`.
