@@ -40,7 +40,6 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "pc-io",
             "distance-field",
             "sdm-fit",
-            "cloud-param",
             "sdm-register",
             "industrial-geometry",
         ],

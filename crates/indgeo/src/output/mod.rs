@@ -9,7 +9,7 @@ mod ply;
 mod rows;
 mod table;
 
-pub(crate) use deviations::DeviationTable;
+pub(crate) use deviations::{DeviationTable, Measured};
 pub(crate) use parameters::ParameterTable;
 pub(crate) use rows::Rows;
 pub(crate) use table::{Layout, Table};
