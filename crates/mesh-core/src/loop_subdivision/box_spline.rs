@@ -11,20 +11,7 @@ pub(super) const REGULAR: usize = 12;
 pub(super) type Orders = [f64; 6];
 
 /// Exponents of `u`, `v`, `w` of the fifteen Bernstein polynomials of degree four.
-const EXPONENTS: [[usize; 3]; 15] = {
-    let mut out = [[0; 3]; 15];
-    let (mut index, mut a) = (0, 0);
-    while a <= 4 {
-        let mut b = 0;
-        while a + b <= 4 {
-            out[index] = [a, b, 4 - a - b];
-            index += 1;
-            b += 1;
-        }
-        a += 1;
-    }
-    out
-};
+const EXPONENTS: [[usize; 3]; 15] = exponents(4);
 
 /// Bernstein ordinates times 24 of the function of a corner, by the exponent of its own coordinate and the larger and
 /// smaller of the others.
@@ -89,58 +76,116 @@ const ORDINATES: [[f64; 15]; REGULAR] = {
     out
 };
 
-/// The functions of the twelve control vertices at `(v, w)`, `v, w ≥ 0`, `v + w ≤ 1`.
-pub(super) fn basis([v, w]: [f64; 2]) -> [Orders; REGULAR] {
-    let x = [1.0 - v - w, v, w];
-    let mut powers = [[1.0; 5]; 3];
-    for (power, x) in powers.iter_mut().zip(x) {
-        for k in 1..5 {
-            power[k] = power[k - 1] * x;
+/// Exponents of `u`, `v`, `w` of the `COUNT` Bernstein polynomials of a degree.
+const fn exponents<const COUNT: usize>(degree: usize) -> [[usize; 3]; COUNT] {
+    let mut out = [[0; 3]; COUNT];
+    let (mut index, mut a) = (0, 0);
+    while a <= degree {
+        let mut b = 0;
+        while a + b <= degree {
+            out[index] = [a, b, degree - a - b];
+            index += 1;
+            b += 1;
         }
+        a += 1;
     }
-    // Derivatives of u^a v^b w^c by one or two of the coordinates.
-    let monomial = |e: [usize; 3], by: [usize; 3]| {
-        let mut product = 1.0;
-        for d in 0..3 {
-            let Some(rest) = e[d].checked_sub(by[d]) else { return 0.0 };
-            product *= powers[d][rest] * falling(e[d], by[d]);
+    out
+}
+
+/// The index of exponents in [`exponents`].
+const fn index_of(degree: usize, [a, b, _]: [usize; 3]) -> usize {
+    // Before row a there are rows of degree + 1, degree, … entries.
+    a * (degree + 1) - a * a.saturating_sub(1) / 2 + b
+}
+
+/// Ordinates of the derivative by coordinate `d` (`v` or `w`, with `u` falling as it grows), function by function.
+const fn derived<const FROM: usize, const TO: usize>(
+    ordinates: &[[f64; REGULAR]; FROM],
+    degree: usize,
+    d: usize,
+) -> [[f64; REGULAR]; TO] {
+    let lower: [[usize; 3]; TO] = exponents(degree - 1);
+    let mut out = [[0.0; REGULAR]; TO];
+    let mut p = 0;
+    while p < TO {
+        let (mut up, mut down) = (lower[p], lower[p]);
+        up[d] += 1;
+        down[0] += 1;
+        let (up, down) = (index_of(degree, up), index_of(degree, down));
+        let mut f = 0;
+        while f < REGULAR {
+            out[p][f] = degree as f64 * (ordinates[up][f] - ordinates[down][f]);
+            f += 1;
         }
-        product
-    };
-    let mut out = [[0.0; 6]; REGULAR];
-    for (p, &e) in EXPONENTS.iter().enumerate() {
-        let binomial = 24.0 / (FACTORIALS[e[0]] * FACTORIALS[e[1]] * FACTORIALS[e[2]]);
-        let d = |by: [usize; 3]| monomial(e, by);
-        let (uu, uv, uw) = (d([2, 0, 0]), d([1, 1, 0]), d([1, 0, 1]));
-        let orders = [
-            d([0; 3]),
-            d([0, 1, 0]) - d([1, 0, 0]),
-            d([0, 0, 1]) - d([1, 0, 0]),
-            d([0, 2, 0]) - 2.0 * uv + uu,
-            d([0, 1, 1]) - uv - uw + uu,
-            d([0, 0, 2]) - 2.0 * uw + uu,
-        ];
-        for (function, ordinates) in out.iter_mut().zip(&ORDINATES) {
-            let factor = binomial * ordinates[p];
-            if factor != 0.0 {
-                for k in 0..6 {
-                    function[k] += factor * orders[k];
-                }
-            }
+        p += 1;
+    }
+    out
+}
+
+/// [`ORDINATES`] and those of the derivatives, polynomial by polynomial.
+const VALUE: [[f64; REGULAR]; 15] = {
+    let mut out = [[0.0; REGULAR]; 15];
+    let mut p = 0;
+    while p < 15 {
+        let mut f = 0;
+        while f < REGULAR {
+            out[p][f] = ORDINATES[f][p];
+            f += 1;
+        }
+        p += 1;
+    }
+    out
+};
+const BY_V: [[f64; REGULAR]; 10] = derived(&VALUE, 4, 1);
+const BY_W: [[f64; REGULAR]; 10] = derived(&VALUE, 4, 2);
+const BY_VV: [[f64; REGULAR]; 6] = derived(&BY_V, 3, 1);
+const BY_VW: [[f64; REGULAR]; 6] = derived(&BY_V, 3, 2);
+const BY_WW: [[f64; REGULAR]; 6] = derived(&BY_W, 3, 2);
+
+/// The Bernstein polynomials of one degree more than those that are given.
+fn raised<const FROM: usize, const TO: usize>(lower: &[f64; FROM], degree: usize, x: [f64; 3]) -> [f64; TO] {
+    let mut out = [0.0; TO];
+    for (e, value) in exponents::<FROM>(degree - 1).into_iter().zip(lower) {
+        for (d, x) in x.into_iter().enumerate() {
+            let mut up = e;
+            up[d] += 1;
+            out[index_of(degree, up)] += x * value;
         }
     }
     out
 }
 
-const FACTORIALS: [f64; 5] = [1.0, 1.0, 2.0, 6.0, 24.0];
-
-/// `n (n − 1) …`, `k ≤ 2` factors.
-fn falling(n: usize, k: usize) -> f64 {
-    match k {
-        0 => 1.0,
-        1 => n as f64,
-        _ => (n * n.saturating_sub(1)) as f64,
+/// `Σ b_p ordinates_p` for all functions.
+fn summed<const COUNT: usize>(
+    polynomials: &[f64; COUNT],
+    ordinates: &[[f64; REGULAR]; COUNT],
+) -> [f64; REGULAR] {
+    let mut out = [0.0; REGULAR];
+    for (polynomial, row) in polynomials.iter().zip(ordinates) {
+        for (sum, ordinate) in out.iter_mut().zip(row) {
+            *sum += polynomial * ordinate;
+        }
     }
+    out
+}
+
+/// The functions of the twelve control vertices at `(v, w)`, `v, w ≥ 0`, `v + w ≤ 1`.
+pub(super) fn basis([v, w]: [f64; 2]) -> [Orders; REGULAR] {
+    let x = [1.0 - v - w, v, w];
+    // In the order of the exponents of degree one: w, v, u.
+    let linear = [x[2], x[1], x[0]];
+    let quadratic: [f64; 6] = raised(&linear, 2, x);
+    let cubic: [f64; 10] = raised(&quadratic, 3, x);
+    let quartic: [f64; 15] = raised(&cubic, 4, x);
+    let orders = [
+        summed(&quartic, &VALUE),
+        summed(&cubic, &BY_V),
+        summed(&cubic, &BY_W),
+        summed(&quadratic, &BY_VV),
+        summed(&quadratic, &BY_VW),
+        summed(&quadratic, &BY_WW),
+    ];
+    std::array::from_fn(|f| orders.map(|order| order[f]))
 }
 
 #[cfg(test)]

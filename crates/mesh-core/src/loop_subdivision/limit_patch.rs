@@ -50,18 +50,39 @@ impl Rows {
         Self { width: self.width, values }
     }
 
+    /// Without the zeros.
+    fn sparse(&self) -> Weights {
+        let mut out = Weights { width: self.width, ends: Vec::new(), entries: Vec::new() };
+        for row in self.values.chunks_exact(self.width) {
+            out.entries.extend((0u32..).zip(row.iter().copied()).filter(|(_, weight)| *weight != 0.0));
+            out.ends.push(out.entries.len());
+        }
+        out
+    }
+}
+
+/// [`Rows`] as they are applied: row by row the columns that count.
+#[derive(Clone, Debug)]
+pub(super) struct Weights {
+    width: usize,
+    ends: Vec<usize>,
+    entries: Vec<(u32, f64)>,
+}
+
+impl Weights {
     /// The weights of the columns in a sum of the rows.
     fn applied(&self, factors: &[Orders], out: &mut Vec<Orders>) {
         out.clear();
         out.resize(self.width, [0.0; 6]);
-        for (factor, row) in factors.iter().zip(self.values.chunks_exact(self.width)) {
-            for (sum, weight) in out.iter_mut().zip(row) {
-                if *weight != 0.0 {
-                    for k in 0..6 {
-                        sum[k] += factor[k] * weight;
-                    }
+        let mut first = 0;
+        for (factor, &end) in factors.iter().zip(&self.ends) {
+            for &(column, weight) in &self.entries[first..end] {
+                let sum = &mut out[column as usize];
+                for k in 0..6 {
+                    sum[k] += factor[k] * weight;
                 }
             }
+            first = end;
         }
     }
 }
@@ -72,20 +93,20 @@ pub(super) enum Part {
     /// A box spline of the vertices themselves.
     Plain,
     /// A box spline of combinations of the vertices.
-    Regular(Rows),
+    Regular(Weights),
     /// An irregular corner: the weights of its neighbourhood, its kind, and its number in the triangle.
-    Corner { rows: Rows, kind: usize, turn: usize },
+    Corner { weights: Weights, kind: usize, turn: usize },
     /// To be divided: the parts at the corners, and the one in the middle.
-    Divided(Box<[Part; 4]>),
+    Divided(Box<[Self; 4]>),
 }
 
 /// What one division does around an irregular corner.
 #[derive(Clone, Debug)]
 pub(super) struct Kind {
     /// The same neighbourhood one level finer.
-    next: Rows,
+    next: Weights,
     /// The regular parts at the other corners and in the middle.
-    parts: [Rows; 3],
+    parts: [Weights; 3],
 }
 
 /// The kinds of corners that occur.
@@ -117,10 +138,10 @@ impl Kinds {
         let part = |k: usize| {
             let points = regular(&fine.mesh, fine.parts[k]);
             points
-                .map(|points| around.combined(&points))
+                .map(|points| around.combined(&points).sparse())
                 .ok_or(Error::Subdivision { what: "a part is not regular" })
         };
-        let kind = Kind { next: around.combined(&finer), parts: [part(1)?, part(2)?, part(3)?] };
+        let kind = Kind { next: around.combined(&finer).sparse(), parts: [part(1)?, part(2)?, part(3)?] };
         self.kinds.push(kind);
         self.index.insert(key, self.kinds.len() - 1);
         Ok(self.kinds.len() - 1)
@@ -203,9 +224,9 @@ impl LimitPatch {
                     out.extend_from_slice(&place.basis());
                     return;
                 }
-                Part::Regular(rows) => return rows.applied(&place.basis(), out),
+                Part::Regular(weights) => return weights.applied(&place.basis(), out),
                 Part::Divided(parts) => part = &parts[place.descend()],
-                Part::Corner { rows, kind, turn } => {
+                Part::Corner { weights, kind, turn } => {
                     place.rotate(*turn);
                     place.keep_off();
                     let kind = &kinds[*kind];
@@ -216,13 +237,13 @@ impl LimitPatch {
                             child => break child,
                         }
                     };
-                    let mut factors = Vec::with_capacity(rows.width);
+                    let mut factors = Vec::with_capacity(weights.width);
                     kind.parts[child - 1].applied(&place.basis(), &mut factors);
                     for _ in 0..levels {
                         kind.next.applied(&factors, out);
                         std::mem::swap(&mut factors, out);
                     }
-                    return rows.applied(&factors, out);
+                    return weights.applied(&factors, out);
                 }
             }
         }
@@ -238,7 +259,7 @@ fn build(
     depth: usize,
 ) -> Result<Part, Error> {
     if let Some(points) = regular(mesh, triangle) {
-        return Ok(Part::Regular(rows.combined(&points)));
+        return Ok(Part::Regular(rows.combined(&points).sparse()));
     }
     let irregular = corners(mesh, triangle).map(|corner| !corner.is_regular());
     if depth >= ISOLATED
@@ -247,7 +268,8 @@ fn build(
         let turned = [0, 1, 2].map(|k| triangle[(k + turn) % 3]);
         let around: Vec<Combination> =
             vertices(mesh, turned).into_iter().map(|vertex| vec![(vertex, 1.0)]).collect();
-        return Ok(Part::Corner { rows: rows.combined(&around), kind: kinds.find(mesh, turned)?, turn });
+        let weights = rows.combined(&around).sparse();
+        return Ok(Part::Corner { weights, kind: kinds.find(mesh, turned)?, turn });
     }
     let fine = Division::new(mesh, triangle)?;
     let rows = rows.combined(&fine.masks);
