@@ -1,6 +1,8 @@
 //! What can be typed.
 
-use crate::commands::{convert, demo, info, inspect, project, register, register_views, selftest};
+use crate::commands::{
+    convert, demo, fit_surface, info, inspect, project, register, register_views, selftest,
+};
 use clap::{Args, Parser, Subcommand};
 use std::path::{Path, PathBuf};
 
@@ -24,6 +26,7 @@ Examples:
   indgeo inspect model.json scan.ply --tolerance 0.05 --report report.html
   indgeo register part.stl scan.ply -o moved.ply --transform pose.json
   indgeo register-views scan1.ply scan2.ply scan3.ply -o aligned
+  indgeo fit-surface scan.ply -o surface.json --tolerance 0.05
   indgeo info scan.ply";
 
 #[derive(Debug, Subcommand)]
@@ -32,6 +35,7 @@ pub(crate) enum Command {
     Inspect(inspect::Args),
     Register(register::Args),
     RegisterViews(register_views::Args),
+    FitSurface(fit_surface::Args),
     Convert(convert::Args),
     Info(info::Args),
     Demo(demo::Args),
@@ -46,9 +50,10 @@ impl Command {
             Self::Inspect(args) => args.files(),
             Self::Register(args) => args.files(),
             Self::RegisterViews(args) => args.files(),
+            Self::FitSurface(args) => args.files(),
             Self::Convert(args) => (vec![&args.input], vec![args.output.clone()]),
             Self::Info(args) => (args.files.iter().map(PathBuf::as_path).collect(), Vec::new()),
-            Self::Demo(args) => (Vec::new(), args.results().to_vec()),
+            Self::Demo(args) => (Vec::new(), args.results()),
             Self::Selftest(_) => (Vec::new(), Vec::new()),
         }
     }
@@ -60,6 +65,7 @@ impl Command {
             Self::Inspect(_) => "inspect",
             Self::Register(_) => "register",
             Self::RegisterViews(_) => "register-views",
+            Self::FitSurface(_) => "fit-surface",
             Self::Convert(_) => "convert",
             Self::Info(_) => "info",
             Self::Demo(_) => "demo",

@@ -3,6 +3,7 @@
 use crate::registration_report::RegistrationResults;
 use crate::selftest::Check;
 use crate::views_report::ViewsResults;
+use industrial_geometry::fit::SurfaceReport;
 use industrial_geometry::inspection::{Inspection, Statistics};
 use industrial_geometry::io::ReadReport;
 use serde::Serialize;
@@ -165,6 +166,8 @@ pub(crate) enum Results {
     Registration(Box<RegistrationResults>),
     /// Of a registration of many views.
     Views(Box<ViewsResults>),
+    /// Of a fit of a surface.
+    Surface(Box<SurfaceReport>),
     /// Of `selftest`.
     Checks(Vec<Check>),
     /// Of `info`.

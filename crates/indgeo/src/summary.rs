@@ -3,6 +3,7 @@
 use crate::registration_report::RegistrationResults;
 use crate::report::{ProjectionResults, Report, Results};
 use crate::views_report::ViewsResults;
+use industrial_geometry::fit::SurfaceReport;
 use industrial_geometry::inspection::{Inspection, Tolerance};
 use std::fmt::Write;
 
@@ -15,6 +16,7 @@ pub(crate) fn of(report: &Report) -> String {
         Some(Results::Inspection(found)) => write_inspection(&mut text, report, found),
         Some(Results::Registration(found)) => write_registration(&mut text, report, found),
         Some(Results::Views(found)) => write_views(&mut text, report, found),
+        Some(Results::Surface(found)) => write_surface(&mut text, report, found),
         _ => Ok(()),
     };
     text
@@ -154,6 +156,31 @@ fn write_views(text: &mut String, report: &Report, found: &ViewsResults) -> std:
             let names: Vec<String> = members.iter().map(|&view| name(view)).collect();
             writeln!(text, "  together  {}", names.join(", "))?;
         }
+    }
+    write_end(text, report)
+}
+
+fn write_surface(text: &mut String, report: &Report, found: &SurfaceReport) -> std::fmt::Result {
+    let fit = &found.fit;
+    writeln!(
+        text,
+        "{} × {} control points after {} iterations ({}), {} insertions of knots",
+        found.controls[0],
+        found.controls[1],
+        fit.history.len(),
+        fit.status,
+        found.runs - 1
+    )?;
+    let start = found.base.map_or("the surface given", |base| base.name());
+    writeln!(text, "  start     {start}")?;
+    writeln!(text, "  distance  rms {}  max {}", plain(fit.rms), plain(fit.max))?;
+    if let Some(share) = found.share_within {
+        let verdict = if found.within_tolerance { "reached" } else { "NOT reached" };
+        writeln!(text, "  tolerance {verdict}: {:.4} % of the points within", 100.0 * share)?;
+    }
+    let folds = found.folds.count();
+    if folds > 0 {
+        writeln!(text, "  folds     in {folds} of {} cells", found.folds.cells)?;
     }
     write_end(text, report)
 }

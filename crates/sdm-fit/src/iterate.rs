@@ -4,10 +4,11 @@ use crate::assemble::{Normal, assemble};
 use crate::constraint::{Constraints, Prepared};
 use crate::fairing::Fairing;
 use crate::layout::{Blocks, Layout};
+use crate::noise::{Noise, disagreement};
 use crate::options::{FitOptions, FootpointPolicy, StepControl};
 use crate::report::{FitReport, Fitted, StepRecord};
 use crate::shape::{ActiveShape, CellGram};
-use crate::smoothing::{Schedule, wanted};
+use crate::smoothing::{Answer, Schedule, wanted};
 use crate::target::{Feet, Samples, Target};
 use crate::weights::{measure, weights};
 use crate::{Error, Status};
@@ -41,6 +42,11 @@ const LEAST: f64 = 1e-13;
 const LIFT: f64 = 10.0;
 /// A shape this much larger than the first one and the data has run away.
 const AWAY: f64 = 1e3;
+/// Below this neighbours agree on what is left: no noise.
+const AGREE: f64 = 0.6;
+/// Share of the cost whose promise does not matter, and displacement as a share of the size that is nearly rounding.
+const MINOR: f64 = 1e-4;
+const ROUNDING: f64 = 1e-7;
 /// Iterations in a row without a change of the cost after which the fit ends.
 const PATIENCE: usize = 3;
 
@@ -167,7 +173,7 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
         let evaluations = self.evaluations;
         let mut normal =
             assemble(&self.layout, &self.shape, self.samples, &self.feet, &weights, self.options.term);
-        let wanted = if self.schedule.asks() { self.ask(&normal, &weights) } else { None };
+        let answer = if self.schedule.asks() { self.ask(&normal, &weights) } else { Answer::NotAsked };
         // Models of points fix the places in the tangent planes themselves.
         let factor = if self.options.term == ErrorTerm::Point { 0.0 } else { self.options.fairing };
         self.fairing = Fairing::new(&self.layout, &self.shape, &self.grams, factor);
@@ -182,10 +188,10 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
             Searched::Found(trial) => trial,
             Searched::Singular => return Ok(Some(Status::Singular)),
             Searched::NotFinite => return Ok(Some(Status::Diverged)),
-            Searched::None { displacement } => {
+            Searched::None { displacement, gain } => {
                 // Nothing lowers this cost; a later one with less energy may still be lowered.
                 if !self.schedule.is_settled() {
-                    self.schedule.advance(wanted);
+                    self.schedule.advance(answer);
                     return Ok(None);
                 }
                 // Or the feet that were followed are not the nearest any more.
@@ -194,7 +200,8 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
                     self.since_global = 0;
                     return Ok(None);
                 }
-                let small = displacement <= self.options.tolerance.max(1e-7);
+                let small = gain <= MINOR * cost || displacement <= self.options.tolerance.max(ROUNDING);
+                let small = small || cost.sqrt() <= ROUNDING * self.size * ROUNDING;
                 return Ok(Some(if small { Status::Converged } else { Status::Stalled }));
             }
         };
@@ -237,7 +244,7 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
         self.quiet = if still { self.quiet + 1 } else { 0 };
         let full = trial.factor == 1.0 && self.damping == 0.0;
         let settled = self.schedule.is_settled();
-        self.schedule.advance(wanted);
+        self.schedule.advance(answer);
         if settled && (full && trial.displacement <= self.options.tolerance || self.quiet >= PATIENCE) {
             return Ok(Some(Status::Converged));
         }
@@ -245,16 +252,20 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
     }
 
     /// The factor of the energy that the data ask for.
-    fn ask(&mut self, normal: &Normal<D>, weights: &[f64]) -> Option<f64> {
+    fn ask(&mut self, normal: &Normal<D>, weights: &[f64]) -> Answer {
+        if disagreement(&self.shape, self.samples, &self.feet, weights) < AGREE {
+            return Answer::NoNoise;
+        }
         let tangent = (self.options.term != ErrorTerm::Tangent).then(|| {
             assemble(&self.layout, &self.shape, self.samples, &self.feet, weights, ErrorTerm::Tangent)
         });
         let normal = tangent.as_ref().unwrap_or(normal);
-        let frames = self.feet.frames.iter().zip(weights).filter(|(_, w)| **w > 0.0);
-        // Each sample tells as many distances as there are directions across the shape.
-        let count: usize = frames.map(|(frame, _)| D.saturating_sub(frame.tangent_dimension).max(1)).sum();
+        let noise = Noise::of(&self.feet, weights);
         let coefficients = self.shape.coefficients();
-        wanted(&mut self.layout, normal, &self.energy, coefficients, &self.side.fixed, count as f64)
+        let fixed = &self.side.fixed;
+        let near = self.schedule.wanted;
+        let found = wanted(&mut self.layout, normal, &self.energy, coefficients, fixed, &noise, near);
+        found.map_or(Answer::NotAsked, Answer::Wanted)
     }
 
     fn search_for(&self, displacement: f64) -> Search {
@@ -310,7 +321,7 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
                         }
                         factor *= 0.5;
                     }
-                    return Ok(Searched::None { displacement: longest });
+                    return Ok(Searched::None { displacement: longest, gain: slope.abs() });
                 }
                 StepControl::LevenbergMarquardt => {
                     if let Some(trial) = self.attempt(&step, 1.0, weights)?
@@ -321,7 +332,7 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
                     }
                     damping = if damping == 0.0 { DAMPING[0] } else { damping * 10.0 };
                     if damping > DAMPING[1] {
-                        return Ok(Searched::None { displacement: longest });
+                        return Ok(Searched::None { displacement: longest, gain: slope.abs() });
                     }
                 }
             }
@@ -406,9 +417,10 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
 /// What a search for a step came to.
 enum Searched<const D: usize, S> {
     Found(Trial<D, S>),
-    /// No step lowers the cost; `displacement` is what the full one would have been.
+    /// No step lowers the cost; `displacement` is what the full one would have been, `gain` what it promised.
     None {
         displacement: f64,
+        gain: f64,
     },
     Singular,
     NotFinite,

@@ -24,11 +24,12 @@
 
 mod assemble;
 mod constraint;
-mod curve;
+pub mod curve;
 mod error;
 mod fairing;
 mod iterate;
 mod layout;
+mod noise;
 mod options;
 mod parallel;
 pub mod primitive;

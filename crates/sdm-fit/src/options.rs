@@ -22,7 +22,8 @@ pub enum Smoothing {
         floor: f64,
     },
     /// As a continuation, but not below the value that the data ask for: the largest one whose generalised cross validation
-    /// score is as good as the best. Data without noise lead to 0.
+    /// score is as good as the best. Where the distances of
+    /// neighbours agree there is no noise to be seen, and it falls on; data without noise lead to 0.
     Automatic {
         /// First `λ`.
         start: f64,
@@ -115,7 +116,7 @@ pub struct FitOptions {
     pub max_iterations: usize,
     /// Stop when no coefficient moves by more than this share of the size of the shape; default 1e-10.
     pub tolerance: f64,
-    /// Stop when the cost changes by no more than this share in three iterations one after the other; default 1e-7.
+    /// Stop when the cost changes by no more than this share in three iterations one after the other; default 1e-6.
     pub cost_tolerance: f64,
     /// Stop when the root mean square distance is not above this; default none.
     pub abs_goal: Option<f64>,
@@ -135,7 +136,7 @@ impl Default for FitOptions {
             footpoints: FootpointPolicy::Adaptive,
             max_iterations: 100,
             tolerance: 1e-10,
-            cost_tolerance: 1e-7,
+            cost_tolerance: 1e-6,
             abs_goal: None,
             evolution: false,
         }

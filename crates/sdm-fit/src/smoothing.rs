@@ -2,25 +2,44 @@
 
 use crate::assemble::Normal;
 use crate::layout::{Blocks, Layout};
+use crate::noise::Noise;
 use crate::options::Smoothing;
 use nalgebra::SVector;
 
 /// Factors tried: powers of ten from the first to the last, then finer around the best.
 const DECADES: [i32; 2] = [-14, 1];
+const BETWEEN: [f64; 6] = [-0.75, -0.5, -0.25, 0.25, 0.5, 0.75];
+const AROUND: [f64; 7] = [-1.0, -0.5, -0.25, 0.0, 0.25, 0.5, 1.0];
 /// How much a degree of freedom counts: above 1, since the score by itself is easily misled to too little smoothing.
 const CAUTION: f64 = 1.4;
+/// Where distances are this share of the radius of curvature, a shape can follow the noise in more ways than the
+/// linearised problem knows: then more smoothing counts as good.
+const BENT: f64 = 0.1;
+/// Relative accuracy of scores that are estimated.
+const ESTIMATED: f64 = 0.002;
 /// A score that is worse by more than this share of the best is never as good.
 const AS_GOOD: f64 = 0.1;
 /// Unknowns up to which the trace is exact; above it is estimated from random vectors.
-const EXACT: usize = 400;
+const EXACT: usize = 100;
 /// Number of random vectors.
-const PROBES: usize = 12;
+const PROBES: usize = 24;
 /// Factor between two values of `λ` that count as the same.
 const SAME: f64 = 1.3;
 /// Iterations after which the automatic value is kept.
-const SETTLED: usize = 40;
+const SETTLED: usize = 48;
 /// Below this a continuation to 0 has arrived.
 const NOTHING: f64 = 1e-16;
+
+/// What the data say about the factor of the energy.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Answer {
+    /// They ask for this value.
+    Wanted(f64),
+    /// What is left of the distances is no noise: neighbours agree.
+    NoNoise,
+    /// They were not asked, or had no answer.
+    NotAsked,
+}
 
 /// The factor of the energy in the course of the iteration.
 #[derive(Clone, Debug)]
@@ -29,6 +48,8 @@ pub(crate) struct Schedule {
     pub(crate) lambda: f64,
     /// Iterations in which the data asked for about the present value.
     agreed: usize,
+    /// What they asked for the last time.
+    pub(crate) wanted: Option<f64>,
     iteration: usize,
 }
 
@@ -38,7 +59,7 @@ impl Schedule {
             Smoothing::Fixed { lambda } => lambda,
             Smoothing::Continuation { start, .. } | Smoothing::Automatic { start, .. } => start,
         };
-        Self { smoothing, lambda, agreed: 0, iteration: 0 }
+        Self { smoothing, lambda, agreed: 0, wanted: None, iteration: 0 }
     }
 
     /// Whether the data are asked in this iteration.
@@ -49,8 +70,8 @@ impl Schedule {
             && self.agreed < 3
     }
 
-    /// The value for the next iteration; `wanted` is what the data ask for, where they were asked.
-    pub(crate) fn advance(&mut self, wanted: Option<f64>) {
+    /// The value for the next iteration; `answer` is what the data say to it.
+    pub(crate) fn advance(&mut self, answer: Answer) {
         self.iteration += 1;
         match self.smoothing {
             Smoothing::Fixed { .. } => {}
@@ -60,14 +81,19 @@ impl Schedule {
                     self.lambda = floor;
                 }
             }
-            Smoothing::Automatic { factor, .. } => match wanted {
-                Some(wanted) => {
+            Smoothing::Automatic { factor, .. } => match answer {
+                Answer::Wanted(wanted) => {
+                    self.wanted = Some(wanted);
                     let same = self.lambda <= wanted * SAME && wanted <= self.lambda * SAME;
                     self.agreed = if same { self.agreed + 1 } else { 0 };
                     self.lambda = wanted.max(self.lambda * factor);
                 }
-                None if self.iteration <= 2 => self.lambda *= factor,
-                None => {}
+                Answer::NoNoise => {
+                    self.lambda *= factor;
+                    self.agreed = 0;
+                }
+                Answer::NotAsked if self.iteration <= 2 => self.lambda *= factor,
+                Answer::NotAsked => {}
             },
         }
     }
@@ -87,26 +113,37 @@ impl Schedule {
 /// The largest factor whose score is as good as the best, from the normal equations of the tangent model.
 ///
 /// The score is `RSS / (1 − γ tr H / m)²` with the influence matrix `H = A (N + λE)⁻¹ Aᵀ` of the linearised problem and `m`
-/// distances ([CW79]; `γ` as in [KG04]). `None` where no factor gives a finite one.
+/// distances ([CW79]; `γ` as in [KG04]). With a value that was found before only those `near` it are tried. `None`
+/// where no factor gives a finite one.
 pub(crate) fn wanted<const D: usize>(
     layout: &mut Layout,
     normal: &Normal<D>,
     energy: &Blocks,
     coefficients: &[SVector<f64, D>],
     fixed: &[bool],
-    count: f64,
+    noise: &Noise,
+    near: Option<f64>,
 ) -> Option<f64> {
+    let count = noise.count;
+    let slack = Slack {
+        share: (noise.bend / BENT).powi(4).min(1.0),
+        least: if noise.surface { ESTIMATED } else { 0.0 },
+    };
     let bend = layout.multiply(energy, coefficients);
     let question = Question { normal, energy, bend, fixed, count };
     let mut scores: Vec<Score> = Vec::new();
-    for decade in DECADES[0]..=DECADES[1] {
-        scores.extend(question.score(layout, f64::from(decade)));
+    let mut centre = near.map(f64::log10);
+    if centre.is_none() {
+        for decade in DECADES[0]..=DECADES[1] {
+            scores.extend(question.score(layout, f64::from(decade)));
+        }
+        centre = best(&scores, slack).map(f64::log10);
     }
-    let coarse = best(&scores)?.log10();
-    for step in [-0.75, -0.5, -0.25, 0.25, 0.5, 0.75] {
-        scores.extend(question.score(layout, coarse + step));
+    let steps = if near.is_some() { &AROUND[..] } else { &BETWEEN[..] };
+    for step in steps {
+        scores.extend(question.score(layout, centre? + step));
     }
-    best(&scores)
+    best(&scores, slack)
 }
 
 /// What a factor of the energy is worth.
@@ -118,11 +155,19 @@ struct Score {
     variance: f64,
 }
 
-/// The largest factor that is as good as the best: what it adds to the squared error is not more than what noise leaves in
-/// the shape anyway.
-fn best(scores: &[Score]) -> Option<f64> {
+/// How much worse than the best a score may be to count as good.
+#[derive(Clone, Copy, Debug)]
+struct Slack {
+    /// Share of what noise leaves in the shape anyway.
+    share: f64,
+    /// Share of the score.
+    least: f64,
+}
+
+/// The largest factor that is as good as the best.
+fn best(scores: &[Score], slack: Slack) -> Option<f64> {
     let least = scores.iter().min_by(|a, b| a.value.total_cmp(&b.value))?;
-    let bound = least.value * (1.0 + least.variance.min(AS_GOOD));
+    let bound = least.value * (1.0 + (slack.share * least.variance).min(AS_GOOD).max(slack.least));
     scores.iter().filter(|s| s.value <= bound).map(|s| s.lambda).max_by(f64::total_cmp)
 }
 

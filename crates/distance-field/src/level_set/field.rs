@@ -147,7 +147,8 @@ impl<const D: usize> LevelSetField<D> {
         for _ in 0..MAX_STEPS {
             let slope = taylor.gradient.norm();
             // False for NaN too.
-            if !(slope * longest > SINGULAR * self.jump) {
+            let steep = slope * longest > SINGULAR * self.jump;
+            if !steep {
                 return Foot { place, taylor, status: Status::Stalled };
             }
             let normal = taylor.gradient / slope;

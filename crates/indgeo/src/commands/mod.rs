@@ -2,6 +2,7 @@
 
 pub(crate) mod convert;
 pub(crate) mod demo;
+pub(crate) mod fit_surface;
 pub(crate) mod info;
 pub(crate) mod inspect;
 pub(crate) mod project;
@@ -45,6 +46,7 @@ pub(crate) fn run(command: &Command, common: &Common, report: &mut Report) -> Re
         Command::Inspect(args) => inspect::run(args, common, report),
         Command::Register(args) => register::run(args, common, report),
         Command::RegisterViews(args) => register_views::run(args, common, report),
+        Command::FitSurface(args) => fit_surface::run(args, common, report),
         Command::Convert(args) => convert::run(args, report),
         Command::Info(args) => info::run(args, report),
         Command::Demo(args) => demo::run(args, common, report),

@@ -2,7 +2,7 @@
 
 use super::initial::{BaseShape, NetSize, approximate};
 use crate::Error;
-use crate::primitive::start;
+use crate::primitive::{PrimitiveOptions, fit_torus, start};
 use nalgebra::{DMatrix, DVector, Vector2, Vector3};
 use nurbs_core::ParametricSurface;
 use std::f64::consts::{PI, TAU};
@@ -16,6 +16,8 @@ const GAP: f64 = TAU / 6.0;
 const SIMPLER: f64 = 1.3;
 /// Points that choose a base.
 const CHOOSERS: usize = 8000;
+/// Root mean square distance from a coarse surface, as a share of the size, that is poor.
+const POOR: f64 = 0.02;
 /// Harmonics of the ends of a cylinder.
 const HARMONICS: usize = 3;
 
@@ -33,6 +35,7 @@ pub(super) fn choose(points: &[Vector3<f64>], asked: BaseShape) -> Result<Base, 
         BaseShape::Plane => return Ok(plane(points)),
         BaseShape::Cylinder => return best_cylinder(points).ok_or(none),
         BaseShape::Sphere => return Ok(sphere(points, false).unwrap_or_else(|| plane(points))),
+        BaseShape::Torus => return torus(points).ok_or(none),
         BaseShape::Auto => {}
     }
     let candidates = [Some(plane(points)), best_cylinder(points), sphere(points, true)];
@@ -40,7 +43,11 @@ pub(super) fn choose(points: &[Vector3<f64>], asked: BaseShape) -> Result<Base, 
         let rms = misfit(points, &base)?;
         Some((if base.shape == BaseShape::Plane { rms / SIMPLER } else { rms }, base))
     });
-    rated.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, base)| base).ok_or(none)
+    let (rms, best) = rated.min_by(|a, b| a.0.total_cmp(&b.0)).ok_or(none)?;
+    // Rings are rare, and take longer to find: only where nothing else describes the cloud.
+    let size = points.iter().map(|p| p.norm()).fold(0.0, f64::max);
+    let ring = if rms > POOR * size { torus(points) } else { None };
+    Ok(ring.filter(|base| misfit(points, base).is_some_and(|other| other < rms)).unwrap_or(best))
 }
 
 /// Root mean square distance of points from a coarse surface at their parameters.
@@ -274,6 +281,22 @@ fn sphere(points: &[Vector3<f64>], checked: bool) -> Option<Base> {
         met[bin(height, rows) * columns + bin(*u, columns)] = true;
     }
     (!checked || met.iter().all(|m| *m)).then_some(Base { shape: BaseShape::Sphere, parameters })
+}
+
+/// Angles about the axis and about the middle of the tube of the least squares torus.
+fn torus(points: &[Vector3<f64>]) -> Option<Base> {
+    let fit = fit_torus(&start::thinned(points, 3000), &PrimitiveOptions::default()).ok()?;
+    let frame = fit.shape.frame();
+    let parameter = |p: &Vector3<f64>| {
+        let local = frame.local(p);
+        let out = local.x.hypot(local.y) - fit.shape.major_radius();
+        [local.y.atan2(local.x), local.z.atan2(out)].map(|angle| ((angle + PI) / TAU).clamp(0.0, 1.0))
+    };
+    let parameters: Vec<[f64; 2]> = points.iter().map(parameter).collect();
+    let (rows, columns) = (8, 8);
+    let mut met = vec![false; rows * columns];
+    parameters.iter().for_each(|[u, v]| met[bin(*u, rows) * columns + bin(*v, columns)] = true);
+    met.iter().all(|m| *m).then_some(Base { shape: BaseShape::Torus, parameters })
 }
 
 /// Which of `count` equal parts of the unit interval a number falls into.

@@ -19,6 +19,8 @@ pub enum BaseShape {
     Cylinder,
     /// A sphere: closed in u, poles at both ends of v.
     Sphere,
+    /// A torus: closed in u and v.
+    Torus,
 }
 
 impl BaseShape {
@@ -30,6 +32,7 @@ impl BaseShape {
             Self::Plane => "plane",
             Self::Cylinder => "cylinder",
             Self::Sphere => "sphere",
+            Self::Torus => "torus",
         }
     }
 }
@@ -111,7 +114,13 @@ fn knots(base: BaseShape, size: NetSize) -> Result<[KnotVector; 2], Error> {
     } else {
         KnotVector::uniform_clamped(size.degrees[0], size.controls[0])?
     };
-    Ok([u, KnotVector::uniform_clamped(size.degrees[1], size.controls[1])?])
+    let v = if base == BaseShape::Torus {
+        KnotVector::uniform_periodic(size.degrees[1], size.controls[1])?
+            .reparameterized(Interval::new(0.0, 1.0)?)
+    } else {
+        KnotVector::uniform_clamped(size.degrees[1], size.controls[1])?
+    };
+    Ok([u, v])
 }
 
 /// The least squares surface at given parameters, with poles where the base has them.

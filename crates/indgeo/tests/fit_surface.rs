@@ -1,0 +1,77 @@
+//! `indgeo fit-surface` as a user runs it.
+
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+mod common;
+
+use common::{Bench, SQUARE};
+use serde_json::Value;
+use std::f64::consts::TAU;
+
+/// A tube with a waist, `count` points.
+fn tube(count: usize) -> String {
+    let at = |k: usize| {
+        let (a, h) = ((k as f64 * 0.618_033_988_75).fract() * TAU, (k as f64 + 0.5) / count as f64);
+        let r = 5.0 - 2.0 * (std::f64::consts::PI * h).sin();
+        format!("{} {} {}\n", r * a.cos(), r * a.sin(), 12.0 * h)
+    };
+    (0..count).map(at).collect()
+}
+
+#[test]
+fn a_tube_is_fitted_to_a_tolerance() {
+    let bench = Bench::new();
+    bench.put("tube.xyz", tube(1500));
+    let run =
+        bench.run("fit-surface tube.xyz -o tube.json --controls 8x6 --tolerance 0.01 --json report.json");
+    assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+    let report: Value = serde_json::from_str(&bench.text("report.json")).unwrap();
+    assert_eq!((&report["command"], &report["status"]), (&"fit-surface".into(), &"done".into()));
+    let results = &report["results"];
+    assert_eq!((&results["base"], &results["within_tolerance"]), (&"cylinder".into(), &true.into()));
+    assert!(results["fit"]["max"].as_f64().unwrap() <= 0.01 && results["fit"]["history"].is_array());
+    let surface: Value = serde_json::from_str(&bench.text("tube.json")).unwrap();
+    assert_eq!((&surface["kind"], &surface["periodic_u"]), (&"surface".into(), &true.into()));
+    // The inspection agrees.
+    let run = bench.run("inspect tube.json tube.xyz --tolerance 0.0101");
+    assert_eq!(run.code, 0, "{}", run.stdout);
+    // The surface is a start again.
+    let run = bench.run("fit-surface tube.xyz --init tube.json --json -");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let again: Value = serde_json::from_str(&run.stdout).unwrap();
+    assert_eq!(again["results"]["controls"], results["controls"]);
+    assert!(again["results"]["base"].is_null());
+}
+
+#[test]
+fn a_tolerance_out_of_reach_is_said() {
+    let bench = Bench::new();
+    bench.put("tube.xyz", tube(600));
+    let run =
+        bench.run("fit-surface tube.xyz -o tube.json --controls 6x5 --tolerance 1e-6 --max-controls 40");
+    assert_eq!(run.code, 1, "{}{}", run.stdout, run.stderr);
+    assert!(run.stdout.contains("NOT reached"), "{}", run.stdout);
+    assert!(bench.text("tube.json").contains("surface"));
+}
+
+#[test]
+fn bad_input_and_usage() {
+    let bench = Bench::new();
+    bench.put("model.json", SQUARE);
+    bench.put("tube.xyz", tube(300));
+    bench.put("line.xyz", (0..50).map(|k| format!("{k} {k} 0\n")).collect::<String>());
+    for (command, message) in [
+        ("fit-surface tube.xyz", "nothing would be written"),
+        ("fit-surface model.json -o out.json", "NURBS"),
+        ("fit-surface line.xyz -o out.json", "on a line"),
+        ("fit-surface tube.xyz -o tube.xyz", "overwrite"),
+        ("fit-surface tube.xyz -o out.json --tolerance 0", "abs_tolerance"),
+        ("fit-surface tube.xyz -o out.json --init tube.xyz", "a surface is needed"),
+        ("fit-surface tube.xyz -o out.json --controls 3by4", "30x20"),
+        ("fit-surface missing.xyz -o out.json", "missing.xyz"),
+    ] {
+        let run = bench.run(command);
+        assert_eq!(run.code, 2, "{command}: {}{}", run.stdout, run.stderr);
+        assert!(run.stderr.contains(message), "{command}: {}", run.stderr);
+    }
+}

@@ -1,0 +1,189 @@
+//! The number of control points: as many as a tolerance asks for, or as the noise supports.
+
+use super::fit::{CHOICE, EXACT, State, Work};
+use super::start::Layout;
+use crate::options::Smoothing;
+use crate::{Error, Status};
+use footpoint::{CurveProjector, ProjectionOptions};
+use nalgebra::SVector;
+use nurbs_core::BsplineCurve;
+
+/// Rounds of knot insertion at most.
+const ROUNDS: usize = 24;
+/// Growth of the number of control points between two attempts, as a fraction.
+const GROWTH: (usize, usize) = (7, 20);
+/// Iterations that show what a number of control points can do.
+const LOOK: usize = 40;
+/// Improvement of the root mean square below which more knots do not help, and how often in a row that may be.
+const HELP: f64 = 0.02;
+const PATIENCE: usize = 3;
+/// Share of the size below which distances are good enough where nothing else is asked for.
+const GOOD: f64 = 1e-6;
+/// Least `λ` while knots are missing.
+const COARSE: f64 = 1e-6;
+/// First `λ` of runs that start from a good curve.
+const WARM: f64 = 1e-4;
+/// Shares of the tolerance by which a curve may move when knots are removed, one after the other.
+const REMOVAL: [f64; 3] = [2.0, 1.0, 0.3];
+
+/// Inserts knots where points are further than the tolerance, then removes those without effect ([YWS04]).
+pub(super) fn to_tolerance<const D: usize>(
+    work: &mut Work<'_, D>,
+    mut state: State<D>,
+) -> Result<State<D>, Error> {
+    let Some(tolerance) = work.options.abs_tolerance else { return Ok(state) };
+    let (coarse, fit) = (coarse(work), warm(work));
+    let mut idle = 0;
+    for _ in 0..ROUNDS {
+        if state.report.max <= tolerance || work.cancelled {
+            break;
+        }
+        let Some(curve) = refined(work, &state.curve, tolerance)? else { break };
+        let next = work.run(curve, &coarse, "insert")?;
+        let helps = next.report.rms < (1.0 - HELP) * state.report.rms
+            || next.report.max < (1.0 - HELP) * state.report.max;
+        if next.report.rms > state.report.rms && next.report.max > state.report.max {
+            break;
+        }
+        work.keep(&next);
+        state = next;
+        idle = if helps { 0 } else { idle + 1 };
+        if idle >= PATIENCE {
+            break;
+        }
+    }
+    if !work.cancelled {
+        let next = work.run(state.curve.clone(), &fit, "fit")?;
+        let next = work.finished(next)?;
+        if next.report.max <= tolerance || next.report.max < state.report.max {
+            work.keep(&next);
+            state = next;
+        }
+    }
+    if state.report.max <= tolerance {
+        for share in REMOVAL {
+            if work.cancelled {
+                break;
+            }
+            let (curve, _) = state.curve.remove_all_within(share * tolerance)?;
+            if curve.knots().distinct_count() >= state.curve.knots().distinct_count() {
+                continue;
+            }
+            let next = work.run(curve, &fit, "remove")?;
+            if next.report.max <= tolerance && next.report.status != Status::Diverged {
+                work.keep(&next);
+                state = next;
+            }
+        }
+    }
+    Ok(state)
+}
+
+/// Options of runs that only have to show where knots are missing: little energy, but not none, since a shape that
+/// cannot fit yet would be distorted.
+pub(super) fn coarse<const D: usize>(work: &Work<'_, D>) -> crate::FitOptions {
+    let fit = work.loop_options();
+    let fit = fit.with_max_iterations(fit.max_iterations.min(LOOK));
+    match fit.smoothing {
+        Smoothing::Automatic { factor, .. } => {
+            fit.with_smoothing(Smoothing::Continuation { start: WARM, factor, floor: COARSE })
+        }
+        _ => fit,
+    }
+}
+
+fn warm<const D: usize>(work: &Work<'_, D>) -> crate::FitOptions {
+    let fit = work.loop_options();
+    match fit.smoothing {
+        Smoothing::Automatic { start, factor } => {
+            fit.with_smoothing(Smoothing::Automatic { start: start.min(WARM), factor })
+        }
+        Smoothing::Continuation { start, factor, floor } => {
+            fit.with_smoothing(Smoothing::Continuation { start: start.min(WARM).max(floor), factor, floor })
+        }
+        Smoothing::Fixed { .. } => fit,
+    }
+}
+
+/// The same curve with a knot more in every span that has points beyond the tolerance, at the middle of their squares;
+/// `None` where no more are allowed.
+fn refined<const D: usize>(
+    work: &Work<'_, D>,
+    curve: &BsplineCurve<D>,
+    tolerance: f64,
+) -> Result<Option<BsplineCurve<D>>, Error> {
+    let knots = curve.knots();
+    let projector = CurveProjector::new(curve);
+    let options = ProjectionOptions::default();
+    let feet = projector.project_many(work.points, &options, &footpoint::no_progress);
+    // For each span: points, sum of squares, sum of squares times parameter, largest distance.
+    let mut sums = vec![(0usize, 0.0, 0.0, 0.0f64); knots.basis_count()];
+    for foot in &feet {
+        let sum = &mut sums[knots.span(knots.normalize(foot.parameter))];
+        let square = foot.distance * foot.distance;
+        sum.0 += 1;
+        sum.1 += square;
+        sum.2 += square * foot.parameter;
+        sum.3 = sum.3.max(foot.distance);
+    }
+    let mut wanted: Vec<(f64, f64)> = Vec::new();
+    for span in knots.spans() {
+        let (count, squares, moment, largest) = sums[span];
+        let interval = knots.span_interval(span);
+        if largest > tolerance && count > 1 && interval.length() > 1e-6 * knots.domain().length() {
+            let share = interval.fraction(moment / squares).clamp(0.25, 0.75);
+            wanted.push((largest, interval.lerp(share)));
+        }
+    }
+    wanted.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let room = work.options.max_controls.min(work.points.len()).saturating_sub(knots.distinct_count());
+    wanted.truncate(room);
+    if wanted.is_empty() {
+        return Ok(None);
+    }
+    let mut values: Vec<f64> = wanted.into_iter().map(|w| w.1).collect();
+    values.sort_by(f64::total_cmp);
+    Ok(Some(curve.refine(&values)?))
+}
+
+/// More control points as long as they lower the Bayesian information criterion.
+pub(super) fn by_noise<const D: usize>(
+    work: &mut Work<'_, D>,
+    layout: &Layout<D>,
+    distinct: usize,
+) -> Result<State<D>, Error> {
+    let stride = work.points.len().div_ceil(CHOICE).max(1);
+    let sample: Vec<SVector<f64, D>> = work.points.iter().step_by(stride).copied().collect();
+    let most = work.options.max_controls.min(distinct.min(sample.len()) / 2).max(work.options.degree + 1);
+    let fit = work.loop_options();
+    let fit = fit.with_max_iterations(fit.max_iterations.min(LOOK));
+    let count = sample.len() as f64;
+    let mut controls = (work.options.degree + 1 + usize::from(layout.closed) * 2).min(most);
+    let mut best: Option<(f64, usize)> = None;
+    let mut worse = 0;
+    loop {
+        let curve = layout.curve(work.options.degree, controls)?;
+        let state = work.run_on(&sample, curve, &fit, "choose")?;
+        let rms = state.report.rms.max(EXACT * work.size);
+        let crosses = !super::crossing::self_crossings(&state.curve).is_empty();
+        // Both by direction across the curve: along it neither points nor control points tell anything.
+        let criterion = count * 2.0 * rms.ln() + controls as f64 * count.ln();
+        let better = best.is_none_or(|b| criterion < b.0) && !(crosses && best.is_some());
+        if better {
+            best = Some((criterion, controls));
+            worse = 0;
+        } else {
+            worse += 1;
+        }
+        let next = controls + (controls * GROWTH.0 / GROWTH.1).max(1);
+        if worse >= 2 || next > most || rms <= GOOD * work.size || work.cancelled {
+            break;
+        }
+        controls = next;
+    }
+    let controls = best.map_or(controls, |b| b.1);
+    let fit = work.loop_options();
+    let state = work.with_controls(layout, controls, &fit)?;
+    work.keep(&state);
+    Ok(state)
+}

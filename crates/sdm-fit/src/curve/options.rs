@@ -1,0 +1,107 @@
+//! Options of a curve fit.
+
+use crate::{Error, FitOptions};
+use nurbs_core::MAX_DEGREE;
+
+/// What a curve fit does. The defaults need nothing but points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct CurveOptions {
+    /// Degree; default 3. That of a given start is kept.
+    pub degree: usize,
+    /// Whether the curve is closed; by default the points decide.
+    pub closed: Option<bool>,
+    /// Number of control points (those that repeat in a closed curve counted once); by default as many as the tolerance
+    /// asks for, or as the noise supports.
+    pub controls: Option<usize>,
+    /// Distance that no point shall exceed; knots are inserted where it is exceeded and removed where they carry nothing.
+    /// Default none.
+    pub abs_tolerance: Option<f64>,
+    /// Most control points; default 200.
+    pub max_controls: usize,
+    /// Whether weights are unknowns, too, so that conics are exact; default not.
+    pub rational: bool,
+    /// Options of the loop.
+    pub fit: FitOptions,
+}
+
+impl Default for CurveOptions {
+    fn default() -> Self {
+        Self {
+            degree: 3,
+            closed: None,
+            controls: None,
+            abs_tolerance: None,
+            max_controls: 200,
+            rational: false,
+            fit: FitOptions::default(),
+        }
+    }
+}
+
+impl CurveOptions {
+    /// The same options with another degree.
+    #[must_use]
+    pub fn with_degree(self, degree: usize) -> Self {
+        Self { degree, ..self }
+    }
+
+    /// The same options for a closed curve, an open one, or one that the points decide.
+    #[must_use]
+    pub fn with_closed(self, closed: Option<bool>) -> Self {
+        Self { closed, ..self }
+    }
+
+    /// The same options with a number of control points.
+    #[must_use]
+    pub fn with_controls(self, controls: Option<usize>) -> Self {
+        Self { controls, ..self }
+    }
+
+    /// The same options with a distance that no point shall exceed.
+    #[must_use]
+    pub fn with_abs_tolerance(self, abs_tolerance: Option<f64>) -> Self {
+        Self { abs_tolerance, ..self }
+    }
+
+    /// The same options with another limit on the number of control points.
+    #[must_use]
+    pub fn with_max_controls(self, max_controls: usize) -> Self {
+        Self { max_controls, ..self }
+    }
+
+    /// The same options with or without unknown weights.
+    #[must_use]
+    pub fn with_rational(self, rational: bool) -> Self {
+        Self { rational, ..self }
+    }
+
+    /// The same options with other options of the loop.
+    #[must_use]
+    pub fn with_fit(self, fit: FitOptions) -> Self {
+        Self { fit, ..self }
+    }
+
+    /// Fewest control points of a curve of the degree.
+    pub(crate) fn fewest(&self) -> usize {
+        self.degree + 1
+    }
+
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        self.fit.check()?;
+        let error = |name, value: f64, allowed| Err(Error::Option { name, value, allowed });
+        if self.degree == 0 || self.degree > MAX_DEGREE {
+            return error("degree", self.degree as f64, "between 1 and 25");
+        }
+        if let Some(value) = self.abs_tolerance.filter(|t| !(*t > 0.0 && t.is_finite())) {
+            return error("tolerance", value, "a positive length");
+        }
+        if self.max_controls < self.fewest() {
+            return error("max_controls", self.max_controls as f64, "more than the degree");
+        }
+        if let Some(controls) = self.controls.filter(|&c| c < self.fewest()) {
+            return error("controls", controls as f64, "more than the degree");
+        }
+        Ok(())
+    }
+}

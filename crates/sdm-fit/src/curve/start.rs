@@ -1,0 +1,156 @@
+//! Curves to start from.
+
+use super::options::CurveOptions;
+use super::path::{Path, along_order, is_ordered, principal, through_cloud};
+use super::report::{Closure, CurveStart};
+use crate::Error;
+use nalgebra::{DMatrix, SVector};
+use nurbs_core::{BsplineCurve, CurveFitOptions, Interval, KnotVector};
+
+/// Width of a cloud as a share of its length below which it is a line.
+const LINE: f64 = 1e-9;
+/// Bending of the first curve, which bridges spans without nodes.
+const BRIDGE: f64 = 1e-7;
+
+/// How a cloud lies.
+#[derive(Clone, Debug)]
+pub(crate) struct Layout<const D: usize> {
+    pub(crate) kind: CurveStart,
+    pub(crate) closed: bool,
+    pub(crate) closure: Closure,
+    path: Option<Path<D>>,
+    axes: Vec<(SVector<f64, D>, f64)>,
+    centre: SVector<f64, D>,
+}
+
+impl<const D: usize> Layout<D> {
+    /// Looks at points of which at least two differ.
+    pub(crate) fn new(points: &[SVector<f64, D>], options: &CurveOptions) -> Result<Self, Error> {
+        let (centre, axes) = axes(points);
+        let (length, width) = (axes.first().map_or(0.0, |a| a.1), axes.get(1).map_or(0.0, |a| a.1));
+        if length <= 0.0 {
+            return Err(Error::Degenerate { shape: "a curve", what: "all at one place" });
+        }
+        if width <= LINE * length {
+            if options.closed == Some(true) {
+                return Err(Error::Degenerate { shape: "a closed curve", what: "on a line" });
+            }
+            let closure = if options.closed.is_some() { Closure::Asked } else { Closure::Line };
+            let mut sorted = points.to_vec();
+            sorted.sort_by(|a, b| (a - b).dot(&axes[0].0).total_cmp(&0.0));
+            let ends: Vec<_> = sorted.first().into_iter().chain(sorted.last()).copied().collect();
+            let path = Path { nodes: ends, gap: f64::INFINITY, gap_limit: 0.0, ordered: false };
+            let kind = CurveStart::Line;
+            return Ok(Self { kind, closed: false, closure, path: Some(path), axes, centre });
+        }
+        let path = if is_ordered(points) { Some(along_order(points)) } else { through_cloud(points) };
+        let kind = match &path {
+            Some(path) if path.ordered => CurveStart::Order,
+            Some(_) => CurveStart::Skeleton,
+            None => CurveStart::Ellipse,
+        };
+        let (closed, closure) = match (options.closed, &path) {
+            (Some(closed), _) => (closed, Closure::Asked),
+            (None, Some(path)) => (path.is_closed(), Closure::Gap { gap: path.gap, limit: path.gap_limit }),
+            // Without a path the cloud is a blob: its outline is closed.
+            (None, None) => (true, Closure::Gap { gap: 0.0, limit: 0.0 }),
+        };
+        let kind = if kind == CurveStart::Ellipse && !closed { CurveStart::Line } else { kind };
+        Ok(Self { kind, closed, closure, path, axes, centre })
+    }
+
+    /// The same cloud seen as one without a path.
+    pub(crate) fn as_ellipse(&self) -> Self {
+        Self { kind: CurveStart::Ellipse, path: None, ..self.clone() }
+    }
+
+    /// The first curve with a number of control points.
+    pub(crate) fn curve(&self, degree: usize, controls: usize) -> Result<BsplineCurve<D>, Error> {
+        self.curve_on(if self.closed {
+            KnotVector::uniform_periodic(degree, controls)?
+        } else {
+            KnotVector::uniform_clamped(degree, controls)?
+        })
+    }
+
+    /// The first curve on given knots with the domain [0, 1].
+    pub(crate) fn curve_on(&self, knots: KnotVector) -> Result<BsplineCurve<D>, Error> {
+        let degree = knots.degree();
+        let Some(path) = self.path.as_ref().filter(|p| p.nodes.len() >= 2) else {
+            return self.about_axes(knots);
+        };
+        let (lengths, total) = path.lengths(self.closed);
+        let parameters: Vec<f64> = lengths.iter().map(|l| Interval::UNIT.lerp(l / total)).collect();
+        let options = CurveFitOptions::default().with_regularization(if degree > 1 { BRIDGE } else { 0.0 });
+        match BsplineCurve::approximate(knots.clone(), &parameters, &path.nodes, &options) {
+            Ok(fitted) => Ok(fitted.shape),
+            // Too few nodes for a polygon of this many corners: take their places along the path.
+            Err(_) => Ok(self.sampled(path, knots)?),
+        }
+    }
+
+    /// Control points on the path, at the Greville parameters.
+    fn sampled(&self, path: &Path<D>, knots: KnotVector) -> Result<BsplineCurve<D>, Error> {
+        let (lengths, total) = path.lengths(self.closed);
+        let mut nodes = path.nodes.clone();
+        let mut lengths = lengths;
+        if self.closed {
+            nodes.push(nodes[0]);
+            lengths.push(total);
+        }
+        let at = |t: f64| {
+            let length = t * total;
+            let k = lengths.partition_point(|l| *l <= length).clamp(1, nodes.len() - 1);
+            let step = (lengths[k] - lengths[k - 1]).max(f64::MIN_POSITIVE);
+            let share = ((length - lengths[k - 1]) / step).clamp(0.0, 1.0);
+            nodes[k - 1] + (nodes[k] - nodes[k - 1]) * share
+        };
+        let count = knots.distinct_count();
+        let greville = knots.greville();
+        let mut points: Vec<_> = greville[..count].iter().map(|&t| at(knots.normalize(t))).collect();
+        points.extend_from_within(..knots.basis_count() - count);
+        Ok(BsplineCurve::new(knots, points, None)?)
+    }
+
+    /// An ellipse with the moments of the cloud, or the main axis of it.
+    fn about_axes(&self, knots: KnotVector) -> Result<BsplineCurve<D>, Error> {
+        let count = knots.distinct_count();
+        let axis = |k: usize| self.axes.get(k).map_or(SVector::zeros(), |(e, s)| e * *s);
+        let greville = knots.greville();
+        let place = |&t: &f64| {
+            if self.closed {
+                // Points on an ellipse have the variance a²/2 along an axis.
+                let (sine, cosine) = (std::f64::consts::TAU * t).sin_cos();
+                self.centre + (axis(0) * cosine + axis(1) * sine) * std::f64::consts::SQRT_2
+            } else {
+                // Those on a segment that of a third of the square of its half.
+                self.centre + axis(0) * (3f64.sqrt() * (2.0 * t - 1.0))
+            }
+        };
+        let mut points: Vec<_> = greville[..count].iter().map(place).collect();
+        points.extend_from_within(..knots.basis_count() - count);
+        Ok(BsplineCurve::new(knots, points, None)?)
+    }
+}
+
+/// The mean of points and their principal axes with the standard deviation along each, the longest first.
+fn axes<const D: usize>(points: &[SVector<f64, D>]) -> (SVector<f64, D>, Vec<(SVector<f64, D>, f64)>) {
+    let centre = points.iter().sum::<SVector<f64, D>>() / points.len() as f64;
+    let mut rest: Vec<SVector<f64, D>> = points.iter().map(|p| p - centre).collect();
+    let mut out = Vec::new();
+    for _ in 0..D {
+        let mut moments = DMatrix::zeros(D, D);
+        for r in &rest {
+            for a in 0..D {
+                for b in 0..D {
+                    moments[(a, b)] += r[a] * r[b] / points.len() as f64;
+                }
+            }
+        }
+        let Some((direction, values)) = principal::<D>(moments) else { break };
+        out.push((direction, values.first().copied().unwrap_or(0.0).max(0.0).sqrt()));
+        // From the points, not from the moments, whose rounding would hide a small width.
+        rest.iter_mut().for_each(|r| *r -= direction * direction.dot(r));
+    }
+    (centre, out)
+}
