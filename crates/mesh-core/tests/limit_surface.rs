@@ -1,6 +1,6 @@
 //! The exact limit of Loop's scheme against deep subdivision.
 
-#![allow(clippy::unwrap_used, reason = "a set-up that fails must fail the test")]
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a set-up that fails must fail the test")]
 
 mod shapes;
 
