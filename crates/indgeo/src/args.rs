@@ -1,7 +1,8 @@
 //! What can be typed.
 
 use crate::commands::{
-    convert, demo, fit_curve, fit_surface, info, inspect, project, register, register_views, selftest,
+    convert, demo, fit_curve, fit_surface, info, inspect, parameterize, project, register, register_views,
+    selftest,
 };
 use clap::{Args, Parser, Subcommand};
 use std::path::{Path, PathBuf};
@@ -27,6 +28,7 @@ Examples:
   indgeo register part.stl scan.ply -o moved.ply --transform pose.json
   indgeo register-views scan1.ply scan2.ply scan3.ply -o aligned
   indgeo fit-curve section.xyz -o section.json --tolerance 0.05
+  indgeo parameterize scan.ply -o base.json --params uv.csv
   indgeo fit-surface scan.ply -o surface.json --tolerance 0.05
   indgeo info scan.ply";
 
@@ -37,6 +39,7 @@ pub(crate) enum Command {
     Register(register::Args),
     RegisterViews(register_views::Args),
     FitCurve(fit_curve::Args),
+    Parameterize(parameterize::Args),
     FitSurface(fit_surface::Args),
     Convert(convert::Args),
     Info(info::Args),
@@ -53,6 +56,7 @@ impl Command {
             Self::Register(args) => args.files(),
             Self::RegisterViews(args) => args.files(),
             Self::FitCurve(args) => args.files(),
+            Self::Parameterize(args) => args.files(),
             Self::FitSurface(args) => args.files(),
             Self::Convert(args) => (vec![&args.input], vec![args.output.clone()]),
             Self::Info(args) => (args.files.iter().map(PathBuf::as_path).collect(), Vec::new()),
@@ -69,6 +73,7 @@ impl Command {
             Self::Register(_) => "register",
             Self::RegisterViews(_) => "register-views",
             Self::FitCurve(_) => "fit-curve",
+            Self::Parameterize(_) => "parameterize",
             Self::FitSurface(_) => "fit-surface",
             Self::Convert(_) => "convert",
             Self::Info(_) => "info",

@@ -1,5 +1,5 @@
-//! Industrial Geometry on the command line: `indgeo project | inspect | register | register-views | convert | info | demo |
-//! selftest`.
+//! Industrial Geometry on the command line: `indgeo project | inspect | register | register-views | parameterize | convert |
+//! info | demo | selftest`.
 
 mod args;
 mod commands;
@@ -13,6 +13,7 @@ mod inspecting;
 mod model;
 mod moving;
 mod output;
+mod parameterizing;
 mod points;
 mod poses;
 mod progress;

@@ -1,5 +1,6 @@
 //! The machine-readable report of a command (`--json`).
 
+use crate::parameterizing::ParameterResults;
 use crate::registration_report::RegistrationResults;
 use crate::selftest::Check;
 use crate::views_report::ViewsResults;
@@ -169,6 +170,8 @@ pub(crate) enum Results {
     Views(Box<ViewsResults>),
     /// Of a fit of a curve.
     Curve(Box<CurveReport>),
+    /// Of a parameterisation.
+    Parameters(Box<ParameterResults>),
     /// Of a fit of a surface.
     Surface(Box<SurfaceReport>),
     /// Of `selftest`.

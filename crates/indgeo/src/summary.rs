@@ -1,5 +1,6 @@
 //! What a projection or an inspection says to a person.
 
+use crate::parameterizing::ParameterResults;
 use crate::registration_report::RegistrationResults;
 use crate::report::{ProjectionResults, Report, Results};
 use crate::views_report::ViewsResults;
@@ -16,6 +17,7 @@ pub(crate) fn of(report: &Report) -> String {
         Some(Results::Projection(results)) => write_projection(&mut text, report, results),
         Some(Results::Inspection(found)) => write_inspection(&mut text, report, found),
         Some(Results::Registration(found)) => write_registration(&mut text, report, found),
+        Some(Results::Parameters(found)) => write_parameters(&mut text, report, found),
         Some(Results::Views(found)) => write_views(&mut text, report, found),
         Some(Results::Curve(found)) => write_curve(&mut text, report, found),
         Some(Results::Surface(found)) => write_surface(&mut text, report, found),
@@ -185,6 +187,57 @@ fn write_curve(text: &mut String, report: &Report, found: &CurveReport) -> std::
     }
     if !found.crossings.is_empty() {
         writeln!(text, "  crossings {} (the curve crosses itself)", found.crossings.len())?;
+    }
+    write_end(text, report)
+}
+
+fn write_parameters(text: &mut String, report: &Report, results: &ParameterResults) -> std::fmt::Result {
+    let found = &results.found;
+    let [around, along] = found.grid;
+    writeln!(
+        text,
+        "{}: a {} of {around} x {along} samples; {} of {} points count",
+        found.status,
+        found.shape.shape.name(),
+        found.used,
+        found.points
+    )?;
+    writeln!(text, "  shape     {}", found.shape.why)?;
+    if found.views > 0 {
+        let axis = &found.axis;
+        writeln!(
+            text,
+            "  axis      ({:.6}, {:.6}, {:.6}), {} views, {} of {} layers",
+            axis.direction.x,
+            axis.direction.y,
+            axis.direction.z,
+            found.views,
+            found.layers[0],
+            found.layers[1]
+        )?;
+    }
+    writeln!(
+        text,
+        "  distance  rms {}  max {}  (points are {} apart)",
+        plain(found.rms),
+        plain(found.max),
+        plain(found.spacing)
+    )?;
+    writeln!(
+        text,
+        "  surface   {} self-loops, {} crossovers; {:.1} % of the points have one closest point only",
+        found.defects.self_loops,
+        found.defects.crossovers,
+        100.0 * found.unique
+    )?;
+    if let Some(fit) = &results.fit {
+        let [u, v] = fit.control_points;
+        writeln!(
+            text,
+            "  fit       {u} x {v} control points: rms {}  max {}",
+            plain(fit.rms),
+            plain(fit.max)
+        )?;
     }
     write_end(text, report)
 }
