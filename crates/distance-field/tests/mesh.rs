@@ -142,3 +142,25 @@ fn tangled_meshes_and_queries_do_no_harm() {
     }
     assert!(MeshField::new(&TriangleMesh::new(vec![], vec![]).unwrap()).is_err());
 }
+
+/// Both views of a mesh have the same feet and distances, and so the same gradients; they differ in how the foot moves.
+#[test]
+fn a_smooth_mesh_and_the_polyhedron() {
+    let mesh = sphere_mesh(24, 1.0);
+    let (smooth, polyhedron) =
+        (MeshField::new(&mesh).unwrap(), MeshField::with_options(&mesh, &exact()).unwrap());
+    let mut numbers = Numbers::new(3);
+    let mut dimensions = [0; 3];
+    for _ in 0..400 {
+        let x = numbers.direction() * (0.4 + 1.4 * numbers.next());
+        let (a, b) = (global_frame(&smooth, &x), global_frame(&polyhedron, &x));
+        assert_eq!(a.foot, b.foot);
+        assert!((a.distance - b.distance).abs() < 1e-13);
+        let gradient = |frame| ErrorTerm::Taylor.model(frame).gradient(&x);
+        assert!((gradient(&a) - gradient(&b)).norm() < 1e-9, "{a:?} {b:?}");
+        assert_eq!((a.tangent_dimension, b.curvatures), (2, Vector3::zeros()));
+        assert!((a.curvatures[0] + 1.0).abs() < 0.1 && (a.curvatures[1] + 1.0).abs() < 0.1, "{a:?}");
+        dimensions[b.tangent_dimension] += 1;
+    }
+    assert!(dimensions.iter().all(|&count| count > 0), "{dimensions:?}");
+}

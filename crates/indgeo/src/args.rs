@@ -53,7 +53,7 @@ impl Command {
             Self::FitSurface(args) => args.files(),
             Self::Convert(args) => (vec![&args.input], vec![args.output.clone()]),
             Self::Info(args) => (args.files.iter().map(PathBuf::as_path).collect(), Vec::new()),
-            Self::Demo(args) => (Vec::new(), args.results().to_vec()),
+            Self::Demo(args) => (Vec::new(), args.results()),
             Self::Selftest(_) => (Vec::new(), Vec::new()),
         }
     }

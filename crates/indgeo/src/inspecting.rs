@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::files;
 use crate::model::{Loaded, Model};
-use crate::output::{self, DeviationTable, Format, Rows};
+use crate::output::{self, DeviationTable, Format, Measured, Rows};
 use crate::points::Points;
 use crate::progress::Progress;
 use crate::report::{Input, ModelSummary, Options, Output, Report, Results, Timings};
@@ -16,6 +16,8 @@ use industrial_geometry::io::AtomicFile;
 use std::io::BufWriter;
 use std::path::Path;
 
+/// Height over the plane, as a share of the distance from the origin, that rounding leaves.
+const OFF_PLANE: f64 = 1e-12;
 /// Most points in the picture of a report.
 const MOST_POINTS: usize = 1_000_000;
 
@@ -60,7 +62,12 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Inspection, Erro
     let transform = job.transform.map(Transform::read).transpose()?;
     let mut points = Timings::measure(&mut timings.read, || Points::read(job.points, job.drop_non_finite))?;
     report.inputs.push(Input::new("points", job.points, &points.report));
-    points.in_space(job.points)?;
+    let measured = measured(&loaded.model);
+    if measured == Measured::Profile {
+        points.in_plane(job.points)?;
+    } else {
+        points.in_space(job.points)?;
+    }
     if job.options.along == Along::Normal && points.normals.is_none() {
         let advice = "use --along shortest, or a file with normals (nx, ny, nz)";
         return Err(Error::content(job.points, "the points have no normals", advice));
@@ -69,13 +76,22 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Inspection, Erro
     warn(report, job, &loaded, &points);
     if let Some(transform) = &transform {
         transform.apply(&mut points);
+        if measured == Measured::Profile
+            && points.positions.iter().any(|point| point.z.abs() > OFF_PLANE * point.coords.norm())
+        {
+            let what = "the motion takes the points out of the plane of the model";
+            return Err(Error::content(
+                job.transform.unwrap_or(job.points),
+                what,
+                "give a turn about z and a shift in x and y",
+            ));
+        }
     }
 
-    let is_mesh = matches!(loaded.model, Model::Mesh(_));
     let nominal = Timings::measure(&mut timings.build, || build(loaded, job, report))?;
     report.model = Some(ModelSummary {
-        kind: if is_mesh { "mesh" } else { "nurbs" },
-        dimension: 3,
+        kind: if measured == Measured::Mesh { "mesh" } else { "nurbs" },
+        dimension: if measured == Measured::Profile { 2 } else { 3 },
         shapes: nominal.shapes().len(),
         patches: nominal.piece_count(),
         signed: nominal.is_signed(),
@@ -87,7 +103,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Inspection, Erro
         transform: transform.map(|transform| transform.rows()),
     });
     let progress = Progress::new("measuring", job.quiet);
-    let measured = Timings::measure(&mut timings.compute, || -> Result<_, inspection::Error> {
+    let found = Timings::measure(&mut timings.compute, || -> Result<_, inspection::Error> {
         let tell = |done: usize, total: usize| progress.report(done, total);
         let deviations =
             nominal.measure(&points.positions, points.normals.as_deref(), &job.options, &tell)?;
@@ -95,12 +111,12 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Inspection, Erro
         partial.extend(0, &points.positions, &deviations);
         Ok((partial.finish(&job.options, nominal.shapes())?, deviations))
     });
-    let (found, deviations) = measured.map_err(|error| usage(&error))?;
+    let (found, deviations) = found.map_err(|error| usage(&error))?;
     drop(progress);
     report.points_per_second =
         (timings.compute > 0.0).then(|| points.positions.len() as f64 / timings.compute);
     report.timings = timings;
-    write(job, format, &points, &deviations, &found, &nominal, is_mesh, report)?;
+    write(job, format, &points, &deviations, &found, &nominal, measured, report)?;
     report.results = Some(Results::Inspection(Box::new(found.clone())));
     Ok(found)
 }
@@ -116,29 +132,29 @@ fn usage(error: &inspection::Error) -> Error {
     Error::usage(error.to_string(), "see `indgeo inspect --help`")
 }
 
-/// The nominal shape; curves of a model are left out with a warning.
+/// What the deviations from a model are measured from: its surfaces if it has some, otherwise its curves.
+fn measured(model: &Model) -> Measured {
+    match model {
+        Model::Plane(_) => Measured::Profile,
+        Model::Space { surfaces, .. } if surfaces.shapes.is_empty() => Measured::Curves,
+        Model::Space { .. } => Measured::Surfaces,
+        Model::Mesh(_) => Measured::Mesh,
+    }
+}
+
+/// The nominal shape; curves beside surfaces are left out with a warning.
 fn build(loaded: Loaded, job: &Job<'_>, report: &mut Report) -> Result<Nominal, Error> {
-    let advice = "give NURBS surfaces or a mesh; `indgeo project` takes curves";
-    let names = |indices: &[u32]| -> Vec<Option<String>> {
-        indices
-            .iter()
-            .map(|&index| loaded.shapes.get(index as usize).and_then(|shape| shape.1.clone()))
-            .collect()
-    };
+    let name = |index: usize| loaded.shapes.get(index).and_then(|shape| shape.1.clone());
+    let names =
+        |indices: &[u32]| indices.iter().map(|&index| name(index as usize)).collect::<Vec<Option<String>>>();
     let nominal = match loaded.model {
-        Model::Space { surfaces, .. } if surfaces.shapes.is_empty() => {
-            return Err(Error::content(
-                job.model,
-                "deviations are measured from surfaces, this model has none",
-                advice,
-            ));
+        Model::Plane(curves) => {
+            let names: Vec<_> = (0..curves.len()).map(name).collect();
+            Nominal::from_profile(curves).map(|nominal| nominal.with_names(names))
         }
-        Model::Plane(_) => {
-            return Err(Error::content(
-                job.model,
-                "deviations are measured from surfaces, this model lies in the plane",
-                advice,
-            ));
+        Model::Space { surfaces, curves } if surfaces.shapes.is_empty() => {
+            let names = names(&curves.indices);
+            Nominal::from_curves(curves.shapes).map(|nominal| nominal.with_names(names))
         }
         Model::Space { surfaces, curves } => {
             if !curves.shapes.is_empty() {
@@ -155,7 +171,7 @@ fn build(loaded: Loaded, job: &Job<'_>, report: &mut Report) -> Result<Nominal, 
     };
     let nominal = nominal
         .map_err(|error| Error::content(job.model, error.to_string(), "check it with `indgeo info`"))?;
-    if !nominal.is_signed() {
+    if !nominal.is_signed() && nominal.shapes().iter().all(|shape| shape.kind == "mesh") {
         report.warnings.push(format!(
             "{}: neighbouring triangles disagree on the side of their normals, so distances have no sign",
             job.model.display()
@@ -188,7 +204,7 @@ fn write(
     deviations: &[Deviation],
     found: &Inspection,
     nominal: &Nominal,
-    is_mesh: bool,
+    measured: Measured,
     report: &mut Report,
 ) -> Result<(), Error> {
     let mut outputs = Vec::new();
@@ -201,7 +217,7 @@ fn write(
                 deviations,
                 triangles: &points.triangles,
                 tolerance: job.options.tolerance,
-                is_mesh,
+                model: measured,
                 coloured: format == Format::Ply,
             };
             let bytes = output::write(path, format, &table)?;

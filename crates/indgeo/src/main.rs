@@ -17,6 +17,7 @@ mod progress;
 mod projection;
 mod registering;
 mod registering_views;
+mod registration_field;
 mod registration_model;
 mod registration_report;
 mod report;

@@ -12,11 +12,13 @@ pub(crate) fn moved(content: Content, pose: &Pose<3>, path: &Path) -> Result<Con
     let failed =
         |error: industrial_geometry::mesh::Error| Error::content(path, error.to_string(), "export it again");
     let at = |cloud: PointCloud| -> Result<PointCloud, Error> {
+        let is_planar = cloud.dimension() == 2;
         let (positions, mut attributes) = cloud.into_parts();
         let positions = positions.iter().map(|x| Point3::from(pose.apply(&x.coords))).collect();
         let normals = attributes.normals().map(|normals| normals.iter().map(|n| pose.rotate(n)).collect());
         attributes.set_normals(normals);
-        PointCloud::new(positions).with_attributes(attributes).map_err(failed)
+        let moved = PointCloud::new(positions).with_attributes(attributes).map_err(failed)?;
+        if is_planar { moved.into_planar().map_err(failed) } else { Ok(moved) }
     };
     Ok(match content {
         Content::Cloud(cloud) => Content::Cloud(at(cloud)?),

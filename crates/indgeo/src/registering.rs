@@ -5,16 +5,14 @@ use crate::files;
 use crate::moving::moved;
 use crate::poses;
 use crate::progress::Progress;
+use crate::registration_field::{RegistrationField, locks_fit_the_plane};
 use crate::registration_model::RegistrationModel;
 use crate::registration_report::{self as found, RegistrationResults, StartResult};
 use crate::report::{Input, ModelSummary, Output, Report, Results, Timings};
-use industrial_geometry::distance_field::{DistanceField, Hint, Search};
 use industrial_geometry::io::{self, AtomicFile, Content, ReadOptions, WriteOptions};
 use industrial_geometry::mesh::nalgebra::Vector3;
 use industrial_geometry::register::start::{OrientedPoints, StartOptions, coarse_start};
-use industrial_geometry::register::{
-    Pose, RegisterOptions, RegisterReport, Source, StepRecord, register_with_progress,
-};
+use industrial_geometry::register::{Pose, RegisterOptions, RegisterReport, StepRecord};
 use std::io::Write;
 use std::path::Path;
 use std::time::Instant;
@@ -85,19 +83,23 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
     report.inputs.push(Input::new("points", job.points, &loaded.report));
     let content = loaded.content;
     warn(job, &loaded.report, report);
-    let cloud = cloud(&content, job)?;
+    let is_planar = matches!(model, RegistrationModel::Plane(_));
+    if is_planar && !locks_fit_the_plane(&job.options) {
+        return Err(Error::usage("a lock of tz, rx or ry has no effect in the plane", "lock tx, ty or rz"));
+    }
+    let cloud = cloud(&content, job, is_planar)?;
     let field = Timings::measure(&mut timings.build, || model.field(job.model))?;
     report.model = Some(ModelSummary {
         kind: model.kind(),
-        dimension: 3,
+        dimension: if is_planar { 2 } else { 3 },
         shapes: 1.max(if model.kind() == "nurbs" { model.count() } else { 1 }),
         patches: model.count(),
-        signed: matches!(model, RegistrationModel::Surfaces(_)),
+        signed: matches!(model, RegistrationModel::Surfaces(_) | RegistrationModel::Plane(_)),
     });
 
     let progress = Progress::new("registering", job.quiet);
     let began = Instant::now();
-    let (starts, results) = solve(job, &model, field.as_ref(), &cloud, given, &progress)?;
+    let (starts, results) = solve(job, &model, &field, &cloud, given, &progress)?;
     timings.compute = began.elapsed().as_secs_f64();
     drop(progress);
     let best = best(&starts);
@@ -123,7 +125,7 @@ fn warn(job: &Job<'_>, read: &io::ReadReport, report: &mut Report) {
     }
 }
 
-fn cloud<'a>(content: &'a Content, job: &Job<'_>) -> Result<Cloud<'a>, Error> {
+fn cloud<'a>(content: &'a Content, job: &Job<'_>, is_planar: bool) -> Result<Cloud<'a>, Error> {
     let cloud = match content {
         Content::Cloud(cloud) => cloud,
         Content::Mesh(mesh) => mesh.cloud(),
@@ -132,9 +134,16 @@ fn cloud<'a>(content: &'a Content, job: &Job<'_>) -> Result<Cloud<'a>, Error> {
             return Err(Error::content(job.points, what, "the order is MODEL POINTS"));
         }
     };
-    if cloud.dimension() == 2 {
+    if cloud.dimension() == 2 && !is_planar {
         let what = "the points have two columns only";
         return Err(Error::content(job.points, what, "give points of three columns, x, y and z"));
+    }
+    if let Some(index) = cloud.positions().iter().position(|point| point.z != 0.0).filter(|_| is_planar) {
+        let what = format!(
+            "the model lies in the plane, but point {index} (from 0) has z = {}",
+            cloud.positions()[index].z
+        );
+        return Err(Error::content(job.points, what, "give points of two columns, x and y, or with z = 0"));
     }
     let normals = cloud.attributes().normals();
     if job.needs_normals && normals.is_none() {
@@ -148,7 +157,7 @@ fn cloud<'a>(content: &'a Content, job: &Job<'_>) -> Result<Cloud<'a>, Error> {
 fn solve(
     job: &Job<'_>,
     model: &RegistrationModel,
-    field: &dyn DistanceField<3>,
+    field: &RegistrationField,
     cloud: &Cloud<'_>,
     given: Option<Vec<Pose<3>>>,
     progress: &Progress,
@@ -173,7 +182,7 @@ fn solve(
             let share = from("given", &Pose::identity())?;
             search = matches!(job.start, Start::Auto)
                 && share < GOOD_SHARE
-                && !matches!(model, RegistrationModel::Curves(_));
+                && !matches!(model, RegistrationModel::Curves(_) | RegistrationModel::Plane(_));
         }
         None => {}
     }
@@ -203,22 +212,19 @@ fn solve(
 
 fn register(
     job: &Job<'_>,
-    field: &dyn DistanceField<3>,
+    field: &RegistrationField,
     cloud: &Cloud<'_>,
     start: &Pose<3>,
     progress: &Progress,
 ) -> Result<RegisterReport<3>, Error> {
-    let mut source = Source::new(&cloud.positions);
-    if let Some(normals) = cloud.normals {
-        source = source.with_normals(normals);
-    }
     let tell = |_: &StepRecord| progress.tick();
-    register_with_progress(field, &source, start, &job.options, &tell)
+    field
+        .register(&cloud.positions, cloud.normals, start, &job.options, &tell)
         .map_err(|error| Error::content(job.points, error.to_string(), "check it with `indgeo info`"))
 }
 
 /// How well a pose fits: mean squared distance with a limit, as a share of the limit, and the share of the points within.
-fn compare(field: &dyn DistanceField<3>, cloud: &Cloud<'_>, pose: &Pose<3>) -> (f64, f64) {
+fn compare(field: &RegistrationField, cloud: &Cloud<'_>, pose: &Pose<3>) -> (f64, f64) {
     let step = cloud.positions.len().div_ceil(COMPARED).max(1);
     let moved: Vec<Vector3<f64>> = cloud
         .positions
@@ -227,15 +233,15 @@ fn compare(field: &dyn DistanceField<3>, cloud: &Cloud<'_>, pose: &Pose<3>) -> (
         .filter(|x| x.iter().all(|c| c.is_finite()))
         .map(|x| pose.apply(x))
         .collect();
-    let limit = NEAR * field.bounding_box().diagonal();
-    let frames = field.frames(&moved, Search::Global, &[Hint::NONE; 0]);
+    let limit = NEAR * field.diagonal();
+    let distances = field.distances(&moved);
     let (mut sum, mut near) = (0.0, 0usize);
-    for frame in &frames {
-        let share = (frame.distance / limit).powi(2);
+    for distance in &distances {
+        let share = (distance / limit).powi(2);
         sum += if share < 1.0 { share } else { 1.0 };
         near += usize::from(share < 1.0);
     }
-    let count = frames.len().max(1) as f64;
+    let count = distances.len().max(1) as f64;
     (sum / count, near as f64 / count)
 }
 

@@ -2,6 +2,7 @@
 
 use crate::error::Error;
 use crate::files;
+use crate::registration_field::RegistrationField;
 use industrial_geometry::distance_field::{CloudField, CurveField, DistanceField, MeshField, SurfaceField};
 use industrial_geometry::io::{Content, ReadOptions, ReadReport, Shape};
 use industrial_geometry::mesh::{PointCloud, TriangleMesh};
@@ -19,6 +20,8 @@ const ADVICE: &str = "check it with `indgeo info`";
 pub(crate) enum RegistrationModel {
     /// NURBS surfaces.
     Surfaces(Vec<BsplineSurface>),
+    /// NURBS curves in the plane.
+    Plane(Vec<BsplineCurve<2>>),
     /// NURBS curves in space.
     Curves(Vec<BsplineCurve<3>>),
     /// A triangle mesh.
@@ -53,16 +56,21 @@ impl RegistrationModel {
     }
 
     fn of_shapes(shapes: Vec<Shape>, path: &Path, warnings: &mut Vec<String>) -> Result<Self, Error> {
-        let (mut surfaces, mut curves) = (Vec::new(), Vec::new());
+        let (mut surfaces, mut curves, mut plane) = (Vec::new(), Vec::new(), Vec::new());
         for shape in shapes {
             match shape {
                 Shape::Surface(surface) => surfaces.push(surface),
                 Shape::Curve3(curve) => curves.push(curve),
-                Shape::Curve2(_) => {
-                    let what = "the model has curves in the plane";
-                    return Err(Error::content(path, what, "give curves (\"dim\": 3) or surfaces in space"));
-                }
+                Shape::Curve2(curve) => plane.push(curve),
             }
+        }
+        if !plane.is_empty() {
+            let in_space = surfaces.len() + curves.len();
+            if in_space == 0 {
+                return Ok(Self::Plane(plane));
+            }
+            let what = format!("{} shapes lie in the plane, {in_space} in space", plane.len());
+            return Err(Error::content(path, what, "put them into models of their own"));
         }
         match (surfaces.is_empty(), curves.is_empty()) {
             (true, true) => {
@@ -85,7 +93,7 @@ impl RegistrationModel {
     /// `nurbs`, `mesh` or `cloud`.
     pub(crate) fn kind(&self) -> &'static str {
         match self {
-            Self::Surfaces(_) | Self::Curves(_) => "nurbs",
+            Self::Surfaces(_) | Self::Plane(_) | Self::Curves(_) => "nurbs",
             Self::Mesh(_) => "mesh",
             Self::Cloud(_) => "cloud",
         }
@@ -95,6 +103,7 @@ impl RegistrationModel {
     pub(crate) fn count(&self) -> usize {
         match self {
             Self::Surfaces(surfaces) => surfaces.len(),
+            Self::Plane(curves) => curves.len(),
             Self::Curves(curves) => curves.len(),
             Self::Mesh(mesh) => mesh.triangles().len(),
             Self::Cloud(cloud) => cloud.len(),
@@ -102,15 +111,22 @@ impl RegistrationModel {
     }
 
     /// The distance field.
-    pub(crate) fn field(&self, path: &Path) -> Result<Box<dyn DistanceField<3>>, Error> {
+    pub(crate) fn field(&self, path: &Path) -> Result<RegistrationField, Error> {
+        let failed = |error: industrial_geometry::distance_field::Error| {
+            Error::content(path, error.to_string(), ADVICE)
+        };
         let field: Result<Box<dyn DistanceField<3>>, _> = match self {
+            Self::Plane(curves) => {
+                let field = CurveField::for_model(curves).map_err(failed)?;
+                return Ok(RegistrationField::Plane(Box::new(field)));
+            }
             Self::Surfaces(surfaces) => SurfaceField::for_model(surfaces).map(|field| Box::new(field) as _),
             Self::Curves(curves) => CurveField::for_model(curves).map(|field| Box::new(field) as _),
             Self::Mesh(mesh) => MeshField::new(mesh).map(|field| Box::new(field) as _),
             Self::Cloud(cloud) => CloudField::new(cloud.positions(), cloud.attributes().normals())
                 .map(|field| Box::new(field) as _),
         };
-        field.map_err(|error| Error::content(path, error.to_string(), ADVICE))
+        field.map(RegistrationField::Space).map_err(failed)
     }
 
     /// Points with normals, spread over the model.
@@ -124,7 +140,7 @@ impl RegistrationModel {
             Self::Mesh(mesh) => Ok(OrientedPoints::from_mesh(mesh, SAMPLES)),
             Self::Cloud(cloud) => OrientedPoints::from_cloud(cloud)
                 .map_err(|error| Error::content(path, error.to_string(), ADVICE)),
-            Self::Curves(_) => Err(Error::content(
+            Self::Plane(_) | Self::Curves(_) => Err(Error::content(
                 path,
                 "a start without a guess needs surfaces, this model has curves only",
                 "give a starting pose (--init) or choose --start given",

@@ -52,3 +52,29 @@ fn says_where_it_looked_for_data() {
     assert!(run.stderr.contains("are not in nowhere; run this in a checkout"), "{}", run.stderr);
     assert_eq!(bench.run(&format!("demo --quiet --data {}", fixture(""))).code, 0);
 }
+
+#[test]
+fn the_displaced_scan_is_registered_and_judged() {
+    let bench = Bench::new();
+    let run = bench.run("demo --json report.json");
+    assert_eq!(run.code, 0, "{}", run.stdout);
+    let json = |name: &str| -> serde_json::Value {
+        serde_json::from_str(&bench.text(&format!("indgeo-demo/{name}"))).unwrap()
+    };
+    let (registration, inspection) = (json("registration.json"), json("inspection.json"));
+    let found = &registration["results"];
+    assert_eq!((&registration["command"], &found["status"]), (&"register".into(), &"converged".into()));
+    // The thread and the shank let the scan slide along one helix.
+    assert_eq!(found["free_motions"].as_array().unwrap().len(), 1);
+    assert!(found["free_motions"][0].as_str().unwrap().contains("helical"));
+    assert!(found["rms"].as_f64().unwrap() < 0.09 && found["points_used"].as_u64().unwrap() > 5000);
+    assert_eq!(found["matrix"], json("pose.json")["matrix"]);
+    assert_eq!(inspection["options"]["transform"], found["matrix"]);
+    assert!(inspection["results"]["verdict"]["share"].as_f64().unwrap() > 0.7);
+    let svg = bench.text("indgeo-demo/registration.svg");
+    assert!(svg.starts_with("<svg ") && svg.ends_with("</svg>\n") && !svg.contains("NaN"));
+    assert!(svg.len() < 1_000_000, "{}", svg.len());
+    assert!(bench.text("indgeo-demo/report.html").contains("</html>"));
+    let outputs = serde_json::from_str::<serde_json::Value>(&bench.text("report.json")).unwrap();
+    assert_eq!(outputs["outputs"].as_array().unwrap().len(), 10);
+}

@@ -148,8 +148,8 @@ fn bad_input_and_usage() {
         ("model.json points.xyz -t 1 --report page.pdf", "choose a name that ends in .html"),
         ("model.json points.xyz -t 1 -o out.txt", "choose .csv, .ply or .json"),
         ("model.json scan.csv -t 1 -o scan.csv", "this would overwrite an input"),
-        ("plane.json points.xyz -t 1", "lies in the plane"),
-        ("curve.json points.xyz -t 1", "this model has none"),
+        ("plane.json points.xyz -t 1", "the model lies in the plane, but point"),
+        ("curve.json points.xyz -t 1 --along 0,0,1", "along the shortest lines only"),
         ("model.json nowhere.xyz -t 1", "check the path"),
     ] {
         let run = bench.run(&format!("inspect {arguments}"));
@@ -194,4 +194,40 @@ fn the_page_is_self_contained_and_escapes_names() {
     let inside: Value = serde_json::from_str(json).unwrap();
     let report: Value = serde_json::from_str(&bench.text("report.json")).unwrap();
     assert_eq!(inside, report["results"]);
+}
+
+#[test]
+fn profiles_and_curves() {
+    let bench = Bench::new();
+    bench.put("plane.json", SEGMENT);
+    bench.put("curve.json", SEGMENT_3);
+    bench.put("flat.xyz", "1 0.25\n2 -0.5\n5 0\n");
+    let run =
+        bench.run("inspect plane.json flat.xyz -t 0.3 -o out.csv --report page.html --json report.json");
+    assert_eq!(run.code, 1, "{}", run.stderr);
+    let text = bench.text("out.csv");
+    let header = "x,y,foot_x,foot_y,normal_x,normal_y,distance,shape,t,location,result";
+    assert_eq!(text.lines().next(), Some(header));
+    let cells = rows(&text);
+    // Positive on the left of the curve; beyond its end the distance is that of the end.
+    let expected = [
+        ["1", "0.25", "1", "0", "0", "1", "0.25", "0", "0.25", "interior", "within"],
+        ["2", "-0.5", "2", "0", "0", "1", "-0.5", "0", "0.5", "interior", "under"],
+        ["5", "0", "4", "0", "0", "1", "1", "0", "1", "edge", "over"],
+    ];
+    for (row, expected) in cells.iter().zip(expected) {
+        assert!(same(row, &expected), "{row:?} {expected:?}");
+    }
+    let report: Value = serde_json::from_str(&bench.text("report.json")).unwrap();
+    assert_eq!(violations(&schema(), &report), Vec::<String>::new());
+    assert_eq!((&report["model"]["dimension"], &report["model"]["signed"]), (&2.into(), &true.into()));
+    assert_eq!(report["results"]["shapes"][0]["kind"], "curve");
+    assert!(bench.text("page.html").contains("</html>"));
+
+    bench.put("space.xyz", "1 0.3 10.4\n2 0 10\n");
+    let run = bench.run("inspect curve.json space.xyz -t 0.6 -o out.csv --json -");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let cells = rows(&bench.text("out.csv"));
+    assert!(same(&cells[0][9..12], &["0.5", "0", "0.25"]), "{cells:?}");
+    assert_eq!(run.report()["model"]["signed"], false);
 }

@@ -98,3 +98,41 @@ fn bad_input_says_what_and_what_to_do() {
     }
     assert!(!bench.files().contains(&"moved.ply".to_owned()));
 }
+
+#[test]
+fn points_of_the_plane_find_their_curve() {
+    let bench = Bench::new();
+    bench.put(
+        "profile.json",
+        r#"{"kind":"curve","dim":2,"degree":2,"knots":[0,0,0,1,1,1],"control_points":[[0,0],[1,3],[4,0]],"weights":null}"#,
+    );
+    let (sine, cosine) = 0.1f64.sin_cos();
+    let place = |t: f64| [2.0 * t * (1.0 - t) + 4.0 * t * t, 6.0 * t * (1.0 - t)];
+    let mut text = String::from("x,y,label\n");
+    for i in 0..60 {
+        let [x, y] = place(0.02 + 0.016 * f64::from(i));
+        // The inverse of a turn by 0.1 and a shift by (0.2, -0.1).
+        let (a, b) = (x - 0.2, y + 0.1);
+        text += &format!("{},{},{i}\n", cosine * a + sine * b, cosine * b - sine * a);
+    }
+    bench.put("points.csv", text);
+    let run =
+        bench.run("register profile.json points.csv -o moved.csv --transform pose.json --json report.json");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let pose = json(&bench, "pose.json");
+    let truth =
+        serde_json::json!([[cosine, -sine, 0, 0.2], [sine, cosine, 0, -0.1], [0, 0, 1, 0], [0, 0, 0, 1]]);
+    assert!(difference(&pose["matrix"], &truth) < 1e-12, "{pose}");
+    assert_eq!(pose["covariance"]["rows"].as_array().unwrap().len(), 3);
+    assert_eq!(json(&bench, "report.json")["model"]["dimension"], 2);
+    // Two columns and the label are kept, and the moved points lie on the curve.
+    assert!(bench.text("moved.csv").starts_with("x,y,label\n"), "{}", bench.text("moved.csv"));
+    for arguments in ["moved.csv", "points.csv --transform pose.json"] {
+        let run = bench.run(&format!("inspect profile.json {arguments} -t 1e-9"));
+        assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+    }
+    let run = bench.run("register profile.json points.csv -o moved.csv --lock tz");
+    assert!(run.code == 2 && run.stderr.contains("no effect in the plane"), "{}", run.stderr);
+    let run = bench.run("register profile.json points.csv -o moved.csv --start global");
+    assert!(run.code == 2 && run.stderr.contains("needs surfaces"), "{}", run.stderr);
+}

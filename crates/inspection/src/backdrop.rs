@@ -65,6 +65,25 @@ impl Backdrop {
         out
     }
 
+    /// A strip of the given half width along points with tangents. Its sides lie in the plane of x and y as far as the tangents
+    /// do.
+    pub(crate) fn append_ribbon(&mut self, rail: &[[Vector3<f64>; 2]], half: f64) {
+        let (mut vertices, mut normals, mut triangles) = (Vec::new(), Vec::new(), Vec::new());
+        for [point, tangent] in rail {
+            let across = Vector3::new(-tangent.y, tangent.x, 0.0);
+            let side = across.try_normalize(1e-9 * tangent.norm()).unwrap_or_else(Vector3::x);
+            let normal = tangent.cross(&side).try_normalize(0.0).unwrap_or_else(Vector3::z);
+            for sign in [half, -half] {
+                vertices.push(Point3::from(point + side * sign));
+                normals.push(normal);
+            }
+        }
+        for k in (0u32..).step_by(2).take(rail.len().saturating_sub(1)) {
+            triangles.extend([[k, k + 1, k + 2], [k + 1, k + 3, k + 2]]);
+        }
+        self.append(vertices, normals, &triangles);
+    }
+
     fn append(&mut self, vertices: Vec<Point3<f64>>, normals: Vec<Vector3<f64>>, triangles: &[[u32; 3]]) {
         let Ok(first) = u32::try_from(self.vertices.len()) else { return };
         self.vertices.extend(vertices);

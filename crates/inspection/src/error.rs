@@ -46,8 +46,11 @@ pub enum Error {
         /// Number of points.
         points: usize,
     },
+    /// Distances from curves are to be measured along given lines, which do not meet a curve in space.
+    #[error("deviations from curves are measured along the shortest lines only")]
+    AlongCurves,
     /// The nominal shape is empty.
-    #[error("there is no surface to measure from")]
+    #[error("there is no surface or curve to measure from")]
     EmptyModel,
     /// A surface cannot be used.
     #[error(transparent)]

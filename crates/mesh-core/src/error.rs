@@ -22,6 +22,12 @@ pub enum Error {
         /// Number of points.
         expected: usize,
     },
+    /// A subdivision surface has no limit that could be evaluated.
+    #[error("subdivision surface: {what}")]
+    Subdivision {
+        /// What is wrong with the control mesh.
+        what: &'static str,
+    },
     /// Two scalars have the same name.
     #[error("there is already a scalar named {name:?}")]
     DuplicateScalar {

@@ -7,7 +7,8 @@
 //!   [`CloudIndex`] for nearest neighbours in a cloud.
 //! - Normals and curvatures: [`estimate_normals`] and [`estimate_curvature`] of clouds, [`TriangleMesh::vertex_normals`]
 //!   and [`MeshCurvature`] of meshes.
-//! - Connectivity: [`HalfEdgeMesh`] with what is wrong with it, [`LoopScheme`] for subdivision surfaces.
+//! - Connectivity: [`HalfEdgeMesh`] with what is wrong with it, [`LoopScheme`] for subdivision surfaces, [`LoopSurface`] for
+//!   their exact limits.
 //! - Sampling: [`sample_uniform`], [`sample_poisson_disk`], [`voxel_downsample`], [`farthest_points`], and outliers by
 //!   [`statistical_outliers`] and [`radius_outliers`].
 //!
@@ -57,7 +58,7 @@ pub use curvature::{CloudCurvature, CurvatureFrame, CurvatureOptions, MeshCurvat
 pub use error::Error;
 pub use half_edge::{Defects, HalfEdge, HalfEdgeMesh};
 pub use line_hit::LineHit;
-pub use loop_subdivision::{LimitPoint, LoopScheme, Mask};
+pub use loop_subdivision::{LimitJet, LimitPoint, LoopScheme, LoopSurface, Mask};
 pub use mesh::TriangleMesh;
 pub use nalgebra;
 pub use normals::{

@@ -32,6 +32,8 @@ pub(crate) struct Stage<'a, const D: usize> {
     pub(crate) method: Method,
     pub(crate) rule: Rule,
     pub(crate) rejection: Rejection,
+    /// Whether the points that are rejected at the beginning stay so, and no others: the cost then has no jumps.
+    pub(crate) holds_rejection: bool,
     pub(crate) tolerance: f64,
     pub(crate) max_iterations: usize,
 }
@@ -183,7 +185,9 @@ struct Trial<const D: usize> {
 
 impl<const D: usize> Run<'_, D> {
     fn refresh_weights(&mut self) {
-        self.base = self.view.base_weights(self.stage.cloud, &self.stage.rejection);
+        if !self.stage.holds_rejection {
+            self.base = self.view.base_weights(self.stage.cloud, &self.stage.rejection);
+        }
         let mut distances =
             if self.stage.rule.adapts() { self.view.distances(&self.base) } else { Vec::new() };
         self.weighting = self.stage.rule.weighting(&mut distances);

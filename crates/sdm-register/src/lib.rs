@@ -35,6 +35,7 @@ mod covariance;
 mod datum;
 mod eigen;
 mod error;
+mod evidence;
 mod free_motion;
 mod iterate;
 mod linearise;

@@ -1,5 +1,6 @@
 //! The stages of a registration in their order: coarse points before all, wide limits before narrow ones.
 
+use crate::evidence::{CUT, Evidence, NOISE_FLOOR, Support};
 use crate::iterate::{History, Outcome, Problem, Stage};
 use crate::source::Prepared;
 use crate::view::View;
@@ -14,14 +15,9 @@ const COARSE: f64 = 1e-4;
 const NARROWING: f64 = 3e-3;
 /// Steps for each limit.
 const NARROWING_STEPS: usize = 6;
-/// Distances in standard deviations of the noise at which a point no longer is one of the inliers.
-const CUT: f64 = 4.685;
-/// Distances in standard deviations that a normal distribution does not show: a single point there is an outlier.
-const IMPOSSIBLE: f64 = 8.0;
-/// Noise as a share of the size of the cloud above which the minimum may be a wrong one.
-const NOISY: f64 = 0.012;
-/// Smallest noise that is believed, as a share of the size of the cloud.
-const NOISE_FLOOR: f64 = 1e-12;
+/// Most repetitions of the last stage with another set of inliers, and the share of the points up to which it is the same.
+const REPETITIONS: usize = 3;
+const SAME_SET: f64 = 2e-3;
 
 /// The stages of one registration and what they did.
 pub(crate) struct Plan<'a, const D: usize> {
@@ -73,6 +69,7 @@ impl<'a, const D: usize> Plan<'a, D> {
             method: options.method,
             rule,
             rejection: options.rejection,
+            holds_rejection: false,
             tolerance: options.tolerance,
             max_iterations: options.max_iterations,
         }
@@ -108,17 +105,20 @@ impl<'a, const D: usize> Plan<'a, D> {
     }
 
     /// The limits of the options, one after the other, and then the estimated noise, on the coarse points.
-    fn narrow(&mut self, view: View<D>, kernel: Kernel) -> Outcome<D> {
+    ///
+    /// Points beyond the boundary of the shape have their feet there and draw the cloud inwards. That is wrong where the
+    /// shape is only a part of what was scanned, but leads back a cloud that has slid off the shape: they are left out from
+    /// the limit with the index `boundary_from` on.
+    fn narrow(&mut self, view: View<D>, kernel: Kernel, boundary_from: usize) -> Outcome<D> {
         let coarse = self.coarse.clone();
         let size = coarse.diagonal * view.pose.scale;
         let mut view = view;
-        // Points beyond the boundary of the shape have their feet there and would draw the cloud inwards.
-        let rejection = self.problem.options.rejection.with_boundary(true);
-        for limit in self.problem.options.limits {
+        let given = self.problem.options.rejection;
+        for (index, limit) in self.problem.options.limits.into_iter().enumerate() {
             let rule = Rule::Fixed(Weighting::Kernel { kernel, scale: limit * size });
             let stage = Stage {
                 method: Method::TANGENT,
-                rejection,
+                rejection: given.with_boundary(given.boundary || index >= boundary_from),
                 tolerance: NARROWING,
                 max_iterations: NARROWING_STEPS,
                 ..self.stage("narrow", &coarse, rule)
@@ -132,7 +132,7 @@ impl<'a, const D: usize> Plan<'a, D> {
         let limit = self.problem.options.limits[2] * size;
         let rule = Rule::Estimated { kernel, limit, floor: NOISE_FLOOR * size };
         let stage = Stage {
-            rejection,
+            rejection: given.with_boundary(true),
             method: Method::TANGENT,
             tolerance: COARSE,
             max_iterations: 3 * NARROWING_STEPS,
@@ -141,11 +141,32 @@ impl<'a, const D: usize> Plan<'a, D> {
         self.go(&stage, view)
     }
 
+    /// The best of several ways to narrow the limit, by the support of all points: more ways are tried as long as less than
+    /// a certain share of the points supports the best one.
+    ///
+    /// From the start with and without the points beyond the boundary, and from where least squares over all points lead.
+    fn narrow_well(&mut self, start: &View<D>, plain: Option<&View<D>>, kernel: Kernel) -> Outcome<D> {
+        let mut best = self.narrow(start.clone(), kernel, 0);
+        let mut support = Support::of(&best, &self.coarse);
+        let ways = [(Some(start), 2), (plain, 0), (plain, 2)];
+        for (from, boundary_from) in ways.into_iter().filter_map(|(from, way)| Some((from?, way))) {
+            if best.status == Status::Cancelled || support.is_enough() {
+                break;
+            }
+            let other = self.narrow(from.clone(), kernel, boundary_from);
+            let others = Support::of(&other, &self.coarse);
+            if other.status == Status::Cancelled || others.cost < support.cost {
+                (best, support) = (other, others);
+            }
+        }
+        best
+    }
+
     fn kernel(&mut self, view: View<D>, kernel: Kernel, abs_scale: Option<f64>) -> Outcome<D> {
         if kernel == Kernel::Square {
             return self.fit(view, Rule::Fixed(Weighting::SQUARES));
         }
-        let near = self.narrow(view, kernel);
+        let near = self.narrow_well(&view, None, kernel);
         if near.status == Status::Cancelled {
             return near;
         }
@@ -171,7 +192,7 @@ impl<'a, const D: usize> Plan<'a, D> {
         }
         let evidence = Evidence::of(&plain, &coarse);
         if evidence.suspicious() || !plain.status.is_converged() {
-            let robust = self.narrow(start, Kernel::Tukey);
+            let robust = self.narrow_well(&start, Some(&plain.view), Kernel::Tukey);
             if robust.status == Status::Cancelled {
                 return robust;
             }
@@ -194,55 +215,34 @@ impl<'a, const D: usize> Plan<'a, D> {
     }
 
     /// Least squares over the points within the noise, away from the boundary of the shape, where points of what lies
-    /// beyond it have their feet. The noise is estimated again at the end.
+    /// beyond it have their feet. Which these are is held fast while the pose is improved, and judged again at the end, as
+    /// is the noise.
     fn cut(&mut self, view: View<D>) -> Outcome<D> {
         let size = self.cloud.diagonal * view.pose.scale;
         let rejection = self.problem.options.rejection.with_boundary(true);
-        let limit = |view: &View<D>| {
-            let base = view.base_weights(self.cloud, &rejection);
-            (CUT * Spread::of(&mut view.distances(&base), CUT).sigma).max(NOISE_FLOOR * size)
+        let cloud = self.cloud;
+        let judge = |view: &View<D>| {
+            let base = view.base_weights(cloud, &rejection);
+            let limit = (CUT * Spread::of(&mut view.distances(&base), CUT).sigma).max(NOISE_FLOOR * size);
+            (base, limit)
         };
         let mut view = view;
-        let mut distance = limit(&view);
+        let (_, mut distance) = judge(&view);
         let mut repetition = 0;
         loop {
             let rule = Rule::Fixed(Weighting::Cut { limit: distance });
-            let stage = Stage { rejection, ..self.stage("inliers", self.cloud, rule) };
+            let stage = Stage { rejection, holds_rejection: true, ..self.stage("inliers", cloud, rule) };
             let outcome = self.problem.run(&stage, view, &mut self.history);
             self.evaluations += outcome.evaluations;
-            let next = limit(&outcome.view);
-            if repetition == 3 || !outcome.status.is_converged() || (next - distance).abs() <= 0.02 * distance
-            {
+            let (base, next) = judge(&outcome.view);
+            let changed = base.iter().zip(&outcome.base).filter(|(a, b)| a != b).count();
+            let same = (next - distance).abs() <= 0.02 * distance
+                && changed as f64 <= SAME_SET * cloud.points.len() as f64;
+            if repetition == REPETITIONS || !outcome.status.is_converged() || same {
                 return outcome;
             }
             (view, distance) = (outcome.view, next);
             repetition += 1;
         }
-    }
-}
-
-/// What the distances at the end of a stage say about outliers.
-#[derive(Clone, Copy, Debug)]
-struct Evidence {
-    /// Standard deviation of the noise.
-    sigma: f64,
-    /// Number of points that cannot be noise.
-    outliers: usize,
-    /// Whether the noise is large for the size of the cloud.
-    noisy: bool,
-}
-
-impl Evidence {
-    fn of<const D: usize>(outcome: &Outcome<D>, cloud: &Prepared<D>) -> Self {
-        let distances = outcome.view.distances(&outcome.base);
-        let sigma = Spread::of(&mut distances.clone(), CUT).sigma;
-        let size = cloud.diagonal * outcome.view.pose.scale;
-        let limit = IMPOSSIBLE * sigma.max(NOISE_FLOOR * size);
-        let outliers = distances.iter().filter(|d| **d > limit).count();
-        Self { sigma, outliers, noisy: sigma > NOISY * size }
-    }
-
-    fn suspicious(&self) -> bool {
-        self.outliers > 0 || self.noisy
     }
 }

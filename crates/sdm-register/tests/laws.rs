@@ -169,15 +169,15 @@ fn free_motions_are_named_and_left_alone() {
 fn the_covariance_foretells_the_scatter() {
     let field = SurfaceField::new(&model()).unwrap();
     let options = RegisterOptions::default().with_outliers(Outliers::None).with_tolerance(1e-9);
-    let (mut sum, runs) = (0.0, 100);
+    let (mut sum, runs) = (0.0, 400);
     for seed in 0..runs {
-        let (points, truth) = scan(300, 1e-3, 100 + seed);
+        let (points, truth) = scan(200, 1e-3, 100 + seed);
         let report = register(&field, &Source::new(&points), &near(&truth, 0.01), &options).unwrap();
         let covariance = report.covariance.clone().unwrap();
-        assert!((covariance.sigma - 1e-3).abs() < 3e-4, "{}", covariance.sigma);
+        assert!((covariance.sigma - 1e-3).abs() < 4e-4, "{}", covariance.sigma);
         sum += covariance.squared_distance(&report.pose, &truth);
     }
-    // Six unknowns: mean 6, standard deviation of the mean of 100 runs 0.35.
+    // Six unknowns: mean 6, standard deviation of the mean of 400 runs 0.17.
     let mean = sum / runs as f64;
     assert!(mean > 5.0 && mean < 7.0, "{mean}");
 }

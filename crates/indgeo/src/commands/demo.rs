@@ -3,26 +3,29 @@
 use super::Outcome;
 use super::project::Search;
 use crate::args::Common;
-use crate::demo::{self, Bolt, Data, Zones};
+use crate::demo::{self, Bolt, Data, Files, Zones};
 use crate::error::Error;
 use crate::projection::{self, Job};
 use crate::report::{Output, Report, Timings};
+use crate::staging::create_error;
 use crate::summary;
-use industrial_geometry::io::AtomicFile;
 use std::fs;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Compare a scanned stud bolt with its nominal thread: results, report and a picture in a folder
+/// Compare a scanned stud bolt with its nominal thread, and register it: results, reports and pictures in a folder
 ///
 /// Projects a structured-light scan (8565 points) onto the nominal M12 × 1.75 thread and shank, given as NURBS surfaces,
-/// as `indgeo project` does, and draws the deviations. Needs no network; the data are in fixtures/ of the repository.
+/// as `indgeo project` does, and draws the deviations. Then it puts the scan out of place, finds the place again as `indgeo
+/// register` does, and judges it there by a tolerance as `indgeo inspect` does. Needs no network; the data are in fixtures/ of the repository.
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = "\
 Files in the folder:
   deviations.csv   one row per scanned point: footpoint, signed distance, surface, parameters, status
   deviations.ply   the scan with the same values, for CloudCompare or MeshLab (colour by `distance`)
   deviations.svg   the picture: side view, unrolled map, thread profile, histogram and statistics
+  displaced.ply    the scan out of place; registered.ply, pose.json: where `indgeo register` takes it, and the motion
+  registration.svg the picture: before and after, and the steps; registration.json: report of the registration
+  report.html      the inspection of the registered scan, to be opened in a browser; inspection.json: its report
 
 Example:
   indgeo demo --out my-demo")]
@@ -38,9 +41,14 @@ pub(crate) struct Args {
 }
 
 impl Args {
-    /// The files that are written: table, cloud and picture.
-    pub(crate) fn results(&self) -> [PathBuf; 3] {
+    /// The files that are written first: table, cloud and picture of the deviations.
+    fn deviations(&self) -> [PathBuf; 3] {
         ["csv", "ply", "svg"].map(|extension| self.out.join("deviations").with_extension(extension))
+    }
+
+    /// All files that are written.
+    pub(crate) fn results(&self) -> Vec<PathBuf> {
+        self.deviations().into_iter().chain(Files::all(&self.out)).collect()
     }
 }
 
@@ -49,7 +57,7 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
     let data = Data::find(args.data.as_deref())?;
     let bolt = Bolt::read(&data.placement)?;
     fs::create_dir_all(&args.out).map_err(|source| create_error(&args.out, source))?;
-    let [csv, ply, svg] = args.results();
+    let [csv, ply, svg] = args.deviations();
 
     let job = Job {
         model: &data.model,
@@ -67,14 +75,16 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         Error::content(&data.scan, "the scan does not cover the thread", "take the file from the repository")
     })?;
     let mut timings = report.timings;
-    let bytes =
-        Timings::measure(&mut timings.write, || write_text(&svg, &demo::draw(&bolt, &projected, &zones)))?;
+    let bytes = Timings::measure(&mut timings.write, || {
+        demo::write_text(&svg, &demo::draw(&bolt, &projected, &zones))
+    })?;
     report.timings = timings;
     let content = "picture: side view, unrolled map, thread profile, histogram, statistics".to_owned();
     report.outputs.push(Output { path: svg.clone(), bytes, content });
 
-    let summary = format!("{}\n{}", summary::of(report), explain(&zones, &job, &svg));
-    Ok(Outcome::new(summary, projection::all_converged(report)))
+    let (text, registered) = demo::align(&data, &bolt, &args.out, &job.options, common, report)?;
+    let summary = format!("{}\n{}\n{text}", summary::of(report), explain(&zones, &job, &svg));
+    Ok(Outcome::new(summary, registered && projection::all_converged(report)))
 }
 
 /// What was found, and how to get the same without the demonstration.
@@ -99,15 +109,4 @@ fn explain(zones: &Zones, job: &Job<'_>, svg: &Path) -> String {
         job.model.display(),
         job.points.display(),
     )
-}
-
-fn create_error(path: &Path, source: std::io::Error) -> Error {
-    let source = industrial_geometry::io::Error::Io { path: path.to_path_buf(), action: "create", source };
-    Error::File { source }
-}
-
-fn write_text(path: &Path, text: &str) -> Result<u64, Error> {
-    let mut file = AtomicFile::create(path)?;
-    file.write_all(text.as_bytes()).map_err(|source| Error::write(path, source))?;
-    Ok(file.commit()?)
 }

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = AFTER_HELP)]
 pub(crate) struct Args {
-    /// NURBS surfaces (JSON), or a triangle mesh (STL, PLY, OBJ, OFF)
+    /// NURBS surfaces or curves (JSON), or a triangle mesh (STL, PLY, OBJ, OFF)
     model: PathBuf,
     /// Points: PLY, XYZ, CSV, PTS, PCD, OBJ, STL or OFF; of a mesh its vertices
     points: PathBuf,
@@ -63,7 +63,8 @@ pub(crate) struct Args {
 
 const AFTER_HELP: &str = "\
 A deviation is the distance of a point from the model along the line of projection, positive on the side to which the
-normal (du x dv, or that of the triangles) points. Along normals and directions, the nearest crossing in either sense counts.
+normal (du x dv, or that of the triangles) points. Along normals and directions, the nearest crossing in either sense counts. In the plane deviations are positive on
+the left of a curve, in space curves give them no sign; both take --along shortest only.
 
 Verdict: pass if (points within) / (points measured + points that did not converge) >= SHARE, and there is one. Points
 beyond D, beyond the boundary (if dropped), whose line misses the model, without a normal, or not finite are counted, but
@@ -72,6 +73,7 @@ not judged. Exit status 0: pass; 1: fail; 2: bad input or usage.
 Columns of OUT, one row per point, in the order of POINTS:
   surfaces  x,y,z,foot_x,foot_y,foot_z,normal_x,normal_y,normal_z,distance,shape,u,v,location,result
   mesh      ... with triangle in place of u,v
+  curves    ... with t in place of u,v; in the plane (points of two columns) without z: x,y,foot_x,foot_y,normal_x,...
 x,y,z are the coordinates after --transform. result: within, over, under, or why the point is not judged:
 beyond_max_distance, beyond_boundary, no_hit, no_normal, not_converged, invalid_point. PLY has red,green,blue too.
 The form of --json is that of docs/schema/inspection.schema.json.

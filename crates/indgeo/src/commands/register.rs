@@ -18,7 +18,8 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = AFTER_HELP)]
 pub(crate) struct Args {
-    /// The fixed shape: NURBS (JSON), a triangle mesh (STL, PLY, OBJ, OFF), or a dense cloud; `-` is standard input
+    /// The fixed shape: NURBS (JSON; curves in the plane take points of two columns), a triangle mesh (STL, PLY, OBJ, OFF), or
+    /// a dense cloud; `-` is standard input
     model: PathBuf,
     /// The points to be moved: any cloud, or a mesh with its triangles; `-` is standard input
     points: PathBuf,
@@ -111,6 +112,8 @@ T.json: {\"matrix\": 4 x 4 row by row (MODEL = matrix * POINTS), \"rotation\": {
 \"angle\": radians}, \"translation\": [x,y,z], \"scale\": s, \"status\": ..., \"rms\": ..., \"covariance\": {...} or null, ...}.
 The covariance is that of (displacement of `origin`, rotation vector about it). `free_motions` names the motions that the
 shape does not fix, as that of a cylinder along and about its axis; the points are not moved along these.
+
+In the plane the matrix is that of a turn about z, and the covariance has three rows (x, y, angle).
 
 With several starts each is reported (`starts`); the one that leaves the least distance counts.
 Exit status 0: converged; 1: not converged, or no overlap (files are written nevertheless); 2: bad input or usage.

@@ -15,16 +15,32 @@ pub(crate) struct DeviationTable<'a> {
     pub(crate) triangles: &'a [[u32; 3]],
     /// The limits.
     pub(crate) tolerance: Tolerance,
-    /// Whether the model is a mesh, with triangles instead of parameters.
-    pub(crate) is_mesh: bool,
+    /// What the deviations are measured from.
+    pub(crate) model: Measured,
     /// Whether rows end with a colour.
     pub(crate) coloured: bool,
+}
+
+/// What deviations are measured from: this decides how a place on it is told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Measured {
+    /// Surfaces: parameters `u, v`.
+    Surfaces,
+    /// Curves in space: parameter `t`.
+    Curves,
+    /// Curves in the plane: parameter `t`, and no z.
+    Profile,
+    /// A mesh: triangles.
+    Mesh,
 }
 
 const COMMON: [&str; 11] =
     ["x", "y", "z", "foot_x", "foot_y", "foot_z", "normal_x", "normal_y", "normal_z", "distance", "shape"];
 const ON_SURFACES: [&str; 2] = ["u", "v"];
+const ON_CURVES: [&str; 1] = ["t"];
 const ON_MESH: [&str; 1] = ["triangle"];
+/// The columns of [`COMMON`] that are left in the plane.
+const PLANE: [usize; 8] = [0, 1, 3, 4, 6, 7, 9, 10];
 const LAST: [&str; 2] = ["location", "result"];
 const COLOURS: [&str; 3] = ["red", "green", "blue"];
 /// Names of places, in the order of their numbers in binary files.
@@ -33,7 +49,19 @@ const PLACES: [&str; 9] =
 
 impl DeviationTable<'_> {
     fn where_on_shape(&self) -> &'static [&'static str] {
-        if self.is_mesh { &ON_MESH } else { &ON_SURFACES }
+        match self.model {
+            Measured::Surfaces => &ON_SURFACES,
+            Measured::Curves | Measured::Profile => &ON_CURVES,
+            Measured::Mesh => &ON_MESH,
+        }
+    }
+
+    /// The column that a table in space has in the place of a given one.
+    fn in_space(&self, column: usize) -> usize {
+        match self.model {
+            Measured::Profile => PLANE.get(column).copied().unwrap_or(column + COMMON.len() - PLANE.len()),
+            _ => column,
+        }
     }
 
     /// `within`, `over`, `under`, or why there is no result.
@@ -54,7 +82,10 @@ fn number(outcome: Outcome) -> u8 {
 
 impl Rows for DeviationTable<'_> {
     fn names(&self) -> Vec<&'static str> {
-        let mut names = COMMON.to_vec();
+        let mut names = match self.model {
+            Measured::Profile => PLANE.map(|column| COMMON[column]).to_vec(),
+            _ => COMMON.to_vec(),
+        };
         names.extend(self.where_on_shape());
         names.extend(LAST);
         if self.coloured {
@@ -71,15 +102,15 @@ impl Rows for DeviationTable<'_> {
         let (point, deviation) = (&self.points[row], &self.deviations[row]);
         let index = |value: u32| Cell::Index((value != u32::MAX).then_some(value));
         let rest = self.where_on_shape().len();
-        match column {
-            0..3 => Cell::Given(point[column]),
-            3..6 => Cell::Number(deviation.foot[column - 3]),
-            6..9 => Cell::Number(deviation.normal[column - 6]),
+        match self.in_space(column) {
+            column @ 0..3 => Cell::Given(point[column]),
+            column @ 3..6 => Cell::Number(deviation.foot[column - 3]),
+            column @ 6..9 => Cell::Number(deviation.normal[column - 6]),
             9 => Cell::Number(deviation.distance),
             10 => index(deviation.shape),
-            11 if self.is_mesh => index(deviation.triangle),
-            11 | 12 if !self.is_mesh => Cell::Number(deviation.parameter[column - 11]),
-            _ => match column - COMMON.len() - rest {
+            11 if self.model == Measured::Mesh => index(deviation.triangle),
+            column @ 11.. if column < COMMON.len() + rest => Cell::Number(deviation.parameter[column - 11]),
+            column => match column - COMMON.len() - rest {
                 0 => {
                     let name = deviation.place.name();
                     let code = (0u8..).zip(PLACES).find(|(_, place)| *place == name);

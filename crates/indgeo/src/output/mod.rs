@@ -8,7 +8,7 @@ mod ply;
 mod rows;
 mod table;
 
-pub(crate) use deviations::DeviationTable;
+pub(crate) use deviations::{DeviationTable, Measured};
 pub(crate) use rows::Rows;
 pub(crate) use table::{Layout, Table};
 

@@ -79,7 +79,7 @@ pub(crate) fn run(before: &dyn Fn(usize, usize)) -> Vec<Check> {
 
 /// The largest of some numbers; NaN if one of them is.
 fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
-    values.into_iter().fold(0.0, |most: f64, value| if value <= most { most } else { value })
+    values.into_iter().fold(0.0, |most: f64, value| if most.is_nan() || value <= most { most } else { value })
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! The shape that points are compared with.
 
 mod analytic;
+mod curves;
 mod mesh;
 mod surfaces;
 mod trace;
@@ -8,18 +9,19 @@ mod trace;
 use crate::options::unit;
 use crate::{Along, Backdrop, Deviation, Error, Inspection, InspectionOptions, Outcome, Partial};
 use analytic::AnalyticNominal;
+use curves::CurvesNominal;
 use footpoint::{Progress, no_progress};
 use mesh::MeshNominal;
 use mesh_core::TriangleMesh;
 use nalgebra::{Point3, Vector3};
-use nurbs_core::{AnalyticSurface, BsplineSurface};
+use nurbs_core::{AnalyticSurface, BsplineCurve, BsplineSurface};
 use surfaces::SurfacesNominal;
 
 /// What a surface of a model is called.
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct ShapeInfo {
-    /// `surface`, `mesh`, `plane`, `sphere`, …
+    /// `surface`, `curve`, `mesh`, `plane`, `sphere`, …
     pub kind: &'static str,
     /// Its name, if it has one.
     pub name: Option<String>,
@@ -37,6 +39,8 @@ enum Kind {
     Surfaces(Box<SurfacesNominal>),
     Mesh(Box<MeshNominal>),
     Analytic(AnalyticNominal),
+    Profile(Box<CurvesNominal<2>>),
+    Curves(Box<CurvesNominal<3>>),
 }
 
 impl Nominal {
@@ -68,6 +72,27 @@ impl Nominal {
         Ok(Self { kind: Kind::Analytic(nominal), shapes })
     }
 
+    /// A profile: NURBS curves in the plane. Points lie in it with z = 0; their z is not looked at.
+    ///
+    /// Deviations are positive on the left of a curve, in the sense of its parameter. They are measured along the shortest
+    /// lines only.
+    ///
+    /// # Errors
+    /// [`Error::EmptyModel`] without curves.
+    pub fn from_profile(curves: Vec<BsplineCurve<2>>) -> Result<Self, Error> {
+        let shapes = vec![ShapeInfo { kind: "curve", name: None }; curves.len()];
+        Ok(Self { kind: Kind::Profile(Box::new(CurvesNominal::new(curves)?)), shapes })
+    }
+
+    /// NURBS curves in space. Deviations have no sign, and are measured along the shortest lines only.
+    ///
+    /// # Errors
+    /// [`Error::EmptyModel`] without curves.
+    pub fn from_curves(curves: Vec<BsplineCurve<3>>) -> Result<Self, Error> {
+        let shapes = vec![ShapeInfo { kind: "curve", name: None }; curves.len()];
+        Ok(Self { kind: Kind::Curves(Box::new(CurvesNominal::new(curves)?)), shapes })
+    }
+
     /// Gives the surfaces names, in their order.
     #[must_use]
     pub fn with_names(mut self, names: impl IntoIterator<Item = Option<String>>) -> Self {
@@ -90,6 +115,8 @@ impl Nominal {
             Kind::Surfaces(nominal) => nominal.patch_count(),
             Kind::Mesh(nominal) => nominal.triangle_count(),
             Kind::Analytic(_) => self.shapes.len(),
+            Kind::Profile(nominal) => nominal.piece_count(),
+            Kind::Curves(nominal) => nominal.piece_count(),
         }
     }
 
@@ -100,13 +127,20 @@ impl Nominal {
             Kind::Surfaces(nominal) => Backdrop::of_surfaces(nominal.surfaces()),
             Kind::Mesh(nominal) => Backdrop::of_mesh(nominal.mesh()),
             Kind::Analytic(nominal) => Backdrop::of_surfaces(nominal.exact()),
+            Kind::Profile(nominal) => nominal.backdrop(),
+            Kind::Curves(nominal) => nominal.backdrop(),
         }
     }
 
-    /// Whether distances have a sign: false only for a mesh whose triangles disagree on the side of their normals.
+    /// Whether distances have a sign: false only for curves in space, and for a mesh whose triangles disagree on the side of
+    /// their normals.
     #[must_use]
     pub fn is_signed(&self) -> bool {
-        !matches!(&self.kind, Kind::Mesh(nominal) if !nominal.is_signed())
+        match &self.kind {
+            Kind::Mesh(nominal) => nominal.is_signed(),
+            Kind::Curves(_) => false,
+            Kind::Surfaces(_) | Kind::Analytic(_) | Kind::Profile(_) => true,
+        }
     }
 
     /// Measures the deviations of many points, in parallel; the result has their order. With [`Along::Normal`], `normals`
@@ -119,7 +153,8 @@ impl Nominal {
     /// the [`gap`](Deviation::gap), and by Newton's method at the end.
     ///
     /// # Errors
-    /// As [`InspectionOptions::validate`], and [`Error::Normals`] if normals are needed and not given.
+    /// As [`InspectionOptions::validate`]; [`Error::Normals`] if normals are needed and not given; [`Error::AlongCurves`] for
+    /// curves and anything but the shortest lines.
     pub fn measure(
         &self,
         points: &[Point3<f64>],
@@ -128,11 +163,16 @@ impl Nominal {
         progress: Progress<'_>,
     ) -> Result<Vec<Deviation>, Error> {
         options.validate()?;
+        if options.along != Along::Shortest && matches!(self.kind, Kind::Profile(_) | Kind::Curves(_)) {
+            return Err(Error::AlongCurves);
+        }
         let mut deviations = match options.along {
             Along::Shortest => match &self.kind {
                 Kind::Surfaces(nominal) => nominal.shortest(points, options, progress),
                 Kind::Mesh(nominal) => nominal.shortest(points, progress),
                 Kind::Analytic(nominal) => nominal.shortest(points, progress),
+                Kind::Profile(nominal) => nominal.shortest(points, options, progress),
+                Kind::Curves(nominal) => nominal.shortest(points, options, progress),
             },
             Along::Normal => {
                 let normals = normals.filter(|normals| normals.len() == points.len());
@@ -182,6 +222,8 @@ impl Nominal {
                 }
                 Kind::Mesh(nominal) => nominal.along(point, &direction),
                 Kind::Analytic(nominal) => trace::along(nominal, point, &direction, options.max_distance),
+                // Refused before.
+                Kind::Profile(_) | Kind::Curves(_) => Deviation::none(Outcome::NoHit),
             }
         })
     }

@@ -59,6 +59,26 @@ impl LoopScheme {
         Self { connectivity, positions: mesh.vertices().to_vec(), first: mesh.coincident_vertices(), fixed }
     }
 
+    /// The scheme on triangles alone, for masks.
+    pub(super) fn of_triangles(vertices: usize, triangles: &[[u32; 3]]) -> Self {
+        Self {
+            connectivity: HalfEdgeMesh::of(vertices, triangles),
+            positions: Vec::new(),
+            first: (0u32..).take(vertices).collect(),
+            fixed: vec![false; vertices],
+        }
+    }
+
+    /// The positions of the control vertices.
+    pub(super) fn positions(&self) -> &[Point3<f64>] {
+        &self.positions
+    }
+
+    /// Whether a vertex moves by a rule of its own.
+    pub(super) fn is_smooth(&self, vertex: u32) -> bool {
+        !matches!(self.rule(vertex), Rule::Fixed)
+    }
+
     /// The connectivity of the control mesh.
     #[must_use]
     pub const fn connectivity(&self) -> &HalfEdgeMesh {
@@ -73,20 +93,25 @@ impl LoopScheme {
     /// # Errors
     /// [`Error::TooMany`] beyond 32-bit indices.
     pub fn subdivide(&self) -> Result<TriangleMesh, Error> {
+        let (masks, triangles) = self.refine()?;
+        TriangleMesh::new(masks.iter().map(|mask| self.moved(mask)).collect(), triangles)
+    }
+
+    /// The masks of the vertices of the divided mesh, and its triangles.
+    pub(super) fn refine(&self) -> Result<(Vec<Mask>, Vec<[u32; 3]>), Error> {
         let triangles: Vec<[u32; 3]> = self
             .connectivity
             .half_edges()
             .step_by(3)
             .map(|edge| self.connectivity.triangles()[edge.triangle()])
             .collect();
-        let mut vertices: Vec<Point3<f64>> =
-            self.first.iter().map(|&vertex| self.moved(&self.vertex_mask(vertex))).collect();
+        let mut masks: Vec<Mask> = self.first.iter().map(|&vertex| self.vertex_mask(vertex)).collect();
         let mut middles = vec![[NONE; 3]; self.connectivity.triangles().len()];
         // Edges without twins may still have several triangles.
         let mut open: HashMap<[u32; 2], u32> = HashMap::new();
         for edge in self.connectivity.half_edges() {
-            let next = u32::try_from(vertices.len()).ok().filter(|&index| index != NONE);
-            let next = next.ok_or(Error::TooMany { what: "vertices", count: vertices.len() })?;
+            let next = u32::try_from(masks.len()).ok().filter(|&index| index != NONE);
+            let next = next.ok_or(Error::TooMany { what: "vertices", count: masks.len() })?;
             let (from, to) = (self.connectivity.origin(edge), self.connectivity.target(edge));
             let known = match self.connectivity.twin(edge) {
                 Some(twin) => Some(middles[twin.triangle()][twin.edge()]).filter(|&index| index != NONE),
@@ -98,20 +123,19 @@ impl LoopScheme {
             middles[edge.triangle()][edge.edge()] = known.unwrap_or(next);
             if known.is_none() {
                 let opposite = |edge: crate::HalfEdge| self.connectivity.origin(edge.previous());
-                let mask = match self.connectivity.twin(edge) {
+                masks.push(match self.connectivity.twin(edge) {
                     Some(twin) => {
                         vec![(from, 0.375), (to, 0.375), (opposite(edge), 0.125), (opposite(twin), 0.125)]
                     }
                     None => vec![(from, 0.5), (to, 0.5)],
-                };
-                vertices.push(self.moved(&mask));
+                });
             }
         }
         let usable = middles.into_iter().filter(|[ab, _, _]| *ab != NONE);
         let divided = (triangles.into_iter().zip(usable))
             .flat_map(|([a, b, c], [ab, bc, ca])| [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]])
             .collect();
-        TriangleMesh::new(vertices, divided)
+        Ok((masks, divided))
     }
 
     /// Where a vertex of the control mesh ends on the limit surface, and the tangent plane there. `None` if the vertex

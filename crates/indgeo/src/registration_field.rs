@@ -1,0 +1,178 @@
+//! The distance from a model in the plane or in space, with poses of space for both.
+
+use industrial_geometry::distance_field::{CurveField, DistanceField, Hint, PrincipalFrame, Search};
+use industrial_geometry::mesh::nalgebra::{Matrix3, SVector, Vector3};
+use industrial_geometry::register::{
+    Covariance, Error, FreeMotion, Locks, Pose, RegisterOptions, RegisterReport, Source, StepRecord,
+    register_with_progress,
+};
+use std::ops::ControlFlow;
+
+/// The distance from a model.
+pub(crate) enum RegistrationField {
+    /// In the plane z = 0.
+    Plane(Box<CurveField<2>>),
+    /// In space.
+    Space(Box<dyn DistanceField<3>>),
+}
+
+impl RegistrationField {
+    /// Diagonal of the box around the model.
+    pub(crate) fn diagonal(&self) -> f64 {
+        match self {
+            Self::Plane(field) => field.bounding_box().diagonal(),
+            Self::Space(field) => field.bounding_box().diagonal(),
+        }
+    }
+
+    /// Distances of points, not negative.
+    pub(crate) fn distances(&self, points: &[Vector3<f64>]) -> Vec<f64> {
+        fn of<const D: usize>(frames: &[PrincipalFrame<D>]) -> Vec<f64> {
+            frames.iter().map(|frame| frame.distance.abs()).collect()
+        }
+        match self {
+            Self::Plane(field) => {
+                let points: Vec<_> = points.iter().map(Vector3::xy).collect();
+                of(&field.frames(&points, Search::Global, &[Hint::NONE; 0]))
+            }
+            Self::Space(field) => of(&field.frames(points, Search::Global, &[Hint::NONE; 0])),
+        }
+    }
+
+    /// Registers points; in the plane their z, that of the normals, and what would turn or lift the start out of the plane
+    /// are not looked at.
+    pub(crate) fn register(
+        &self,
+        points: &[Vector3<f64>],
+        normals: Option<&[Vector3<f64>]>,
+        start: &Pose<3>,
+        options: &RegisterOptions<3>,
+        progress: &(dyn Fn(&StepRecord) -> ControlFlow<()> + Sync),
+    ) -> Result<RegisterReport<3>, Error> {
+        match self {
+            Self::Space(field) => {
+                let mut source = Source::new(points);
+                if let Some(normals) = normals {
+                    source = source.with_normals(normals);
+                }
+                register_with_progress(field.as_ref(), &source, start, options, progress)
+            }
+            Self::Plane(field) => {
+                let points: Vec<_> = points.iter().map(Vector3::xy).collect();
+                let normals: Option<Vec<_>> = normals.map(|all| all.iter().map(Vector3::xy).collect());
+                let mut source = Source::new(&points);
+                if let Some(normals) = &normals {
+                    source = source.with_normals(normals);
+                }
+                let report = register_with_progress(
+                    field.as_ref(),
+                    &source,
+                    &flat(start)?,
+                    &planar(options),
+                    progress,
+                )?;
+                Ok(in_space(report))
+            }
+        }
+    }
+}
+
+/// A pose of the plane out of one of space.
+fn flat(pose: &Pose<3>) -> Result<Pose<2>, Error> {
+    let linear = pose.rotation.fixed_view::<2, 2>(0, 0) * pose.scale;
+    Pose::<2>::from_linear(&linear, &pose.translation().xy())
+}
+
+/// The same options in the plane, where the only rotation is that about z.
+fn planar(options: &RegisterOptions<3>) -> RegisterOptions<2> {
+    let locks = &options.locks;
+    let [tx, ty, _] = locks.translations;
+    let locks = Locks::<2> { origin: locks.origin.xy(), ..Locks::default() }
+        .with_translations([tx, ty, false])
+        .with_rotations([locks.rotations[2], false, false]);
+    RegisterOptions {
+        method: options.method,
+        control: options.control,
+        footpoints: options.footpoints,
+        outliers: options.outliers,
+        rejection: options.rejection,
+        locks,
+        scale: options.scale,
+        non_finite: options.non_finite,
+        max_iterations: options.max_iterations,
+        tolerance: options.tolerance,
+        coarse_points: options.coarse_points,
+        limits: options.limits,
+        null_tolerance: options.null_tolerance,
+    }
+}
+
+fn lifted(vector: &SVector<f64, 2>) -> Vector3<f64> {
+    Vector3::new(vector.x, vector.y, 0.0)
+}
+
+/// A result of the plane as one of space. The covariance keeps its three unknowns: x, y and the angle about z.
+fn in_space(report: RegisterReport<2>) -> RegisterReport<3> {
+    let Pose { scale, rotation, source_origin, target_origin } = report.pose;
+    let mut turn = Matrix3::identity();
+    turn.fixed_view_mut::<2, 2>(0, 0).copy_from(&rotation);
+    let free = |motion: FreeMotion<2>| match motion {
+        FreeMotion::Translation { direction } => FreeMotion::Translation { direction: lifted(&direction) },
+        FreeMotion::Rotation { axis, point } => FreeMotion::Rotation { axis, point: lifted(&point) },
+        FreeMotion::Helical { axis, point, pitch } => {
+            FreeMotion::Helical { axis, point: lifted(&point), pitch }
+        }
+        FreeMotion::Growth { point } => FreeMotion::Growth { point: lifted(&point) },
+    };
+    RegisterReport {
+        pose: Pose {
+            scale,
+            rotation: turn,
+            source_origin: lifted(&source_origin),
+            target_origin: lifted(&target_origin),
+        },
+        status: report.status,
+        rms: report.rms,
+        initial_rms: report.initial_rms,
+        iterations: report.iterations,
+        evaluations: report.evaluations,
+        points: report.points,
+        dropped: report.dropped,
+        used: report.used,
+        limit: report.limit,
+        covariance: report.covariance.map(|covariance| Covariance {
+            rows: covariance.rows,
+            origin: lifted(&covariance.origin),
+            sigma: covariance.sigma,
+            degrees_of_freedom: covariance.degrees_of_freedom,
+            conditioning: covariance.conditioning,
+        }),
+        free_motions: report.free_motions.into_iter().map(free).collect(),
+        history: report.history,
+    }
+}
+
+/// Whether what is locked is a motion of the plane: x, y or the angle about z.
+pub(crate) fn locks_fit_the_plane(options: &RegisterOptions<3>) -> bool {
+    let Locks { translations: [.., tz], rotations: [rx, ry, _], .. } = options.locks;
+    !(tz || rx || ry)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use industrial_geometry::mesh::nalgebra::Vector2;
+
+    #[test]
+    fn a_turn_about_z_is_one_of_the_plane() {
+        let (sine, cosine) = 0.3f64.sin_cos();
+        let turn = Matrix3::new(cosine, -sine, 0.0, sine, cosine, 0.0, 0.0, 0.0, 1.0);
+        let pose = flat(&Pose::new(turn, Vector3::new(1.0, 2.0, 0.0))).unwrap();
+        let x = Vector2::new(0.5, -0.25);
+        let moved = turn * lifted(&x) + Vector3::new(1.0, 2.0, 0.0);
+        assert!((pose.apply(&x) - moved.xy()).norm() < 1e-15);
+        // A turn about x is none.
+        let tilt = Matrix3::new(1.0, 0.0, 0.0, 0.0, cosine, -sine, 0.0, sine, cosine);
+        assert!(flat(&Pose::new(tilt, Vector3::zeros())).is_err());
+    }
+}

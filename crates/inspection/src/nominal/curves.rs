@@ -1,0 +1,107 @@
+//! Deviations from NURBS curves, in the plane or in space.
+
+use crate::{Backdrop, Deviation, Error, InspectionOptions, Outcome, Place};
+use footpoint::{CurveFootpoint, CurveProjector, Location, Progress, Status};
+use nalgebra::{Point3, SVector, Vector3};
+use nurbs_core::{Aabb, BsplineCurve, ParametricCurve};
+
+/// Samples of a curve in the picture, and the width of the ribbon that shows it as a share of the size.
+const SAMPLES: usize = 600;
+const WIDTH: f64 = 1e-3;
+
+/// Curves and what is needed to project onto them. Points of the plane have z = 0; their z is not looked at.
+#[derive(Debug)]
+pub(super) struct CurvesNominal<const D: usize> {
+    curves: Vec<BsplineCurve<D>>,
+    projector: CurveProjector<D>,
+}
+
+impl<const D: usize> CurvesNominal<D> {
+    pub(super) fn new(curves: Vec<BsplineCurve<D>>) -> Result<Self, Error> {
+        if curves.is_empty() {
+            return Err(Error::EmptyModel);
+        }
+        Ok(Self { projector: CurveProjector::for_model(&curves)?, curves })
+    }
+
+    pub(super) fn piece_count(&self) -> usize {
+        self.projector.piece_count()
+    }
+
+    /// Deviations along the shortest lines.
+    pub(super) fn shortest(
+        &self,
+        points: &[Point3<f64>],
+        options: &InspectionOptions,
+        progress: Progress<'_>,
+    ) -> Vec<Deviation> {
+        let queries: Vec<SVector<f64, D>> =
+            points.iter().map(|point| SVector::from_fn(|i, _| point[i])).collect();
+        let feet = self.projector.project_many(&queries, &options.projection, progress);
+        let unfinished = Deviation::none(Outcome::Cancelled);
+        crate::parallel::map(points.len(), &unfinished, &footpoint::no_progress, |index| {
+            self.deviation(&queries[index], &feet[index])
+        })
+    }
+
+    fn deviation(&self, x: &SVector<f64, D>, foot: &CurveFootpoint<D>) -> Deviation {
+        let outcome = match foot.status {
+            Status::Converged | Status::OnBoundary => Outcome::Measured,
+            Status::InvalidPoint => Outcome::InvalidPoint,
+            Status::Cancelled => Outcome::Cancelled,
+            _ => Outcome::NotConverged,
+        };
+        let Some(curve) = self.curves.get(foot.shape).filter(|_| !foot.distance.is_nan()) else {
+            return Deviation::none(outcome);
+        };
+        let offset = in_space(&(x - foot.point));
+        let left = if D == 2 { left_normal(&in_space(&curve.jet(foot.parameter).d1)) } else { None };
+        let normal = left.or_else(|| offset.try_normalize(0.0)).unwrap_or_default();
+        let is_right = D == 2 && offset.dot(&normal) < 0.0;
+        Deviation {
+            outcome,
+            foot: in_space(&foot.point).into(),
+            normal,
+            distance: if is_right { -foot.distance } else { foot.distance },
+            gap: (foot.distance - foot.lower_bound).max(0.0),
+            parameter: [foot.parameter, f64::NAN],
+            shape: u32::try_from(foot.shape).unwrap_or(u32::MAX),
+            triangle: u32::MAX,
+            place: match foot.location {
+                Location::Interior => Place::Interior,
+                Location::Edge => Place::Edge,
+                Location::Corner => Place::Corner,
+                Location::Seam => Place::Seam,
+                Location::Pole => Place::Pole,
+            },
+            on_boundary: foot.status == Status::OnBoundary
+                && matches!(foot.location, Location::Edge | Location::Corner),
+        }
+    }
+
+    /// Narrow ribbons along the curves; in the plane they lie in it.
+    pub(super) fn backdrop(&self) -> Backdrop {
+        let boxes = self.curves.iter().map(BsplineCurve::control_box);
+        let size = boxes.reduce(|a, b| a.merged(&b)).map_or(0.0, |bounds: Aabb<D>| bounds.diagonal());
+        let mut out = Backdrop::default();
+        for curve in &self.curves {
+            let domain = curve.domain();
+            let jets = (0..SAMPLES)
+                .map(|i| curve.jet(domain.start() + domain.length() * i as f64 / (SAMPLES - 1) as f64));
+            let rail: Vec<[Vector3<f64>; 2]> =
+                jets.map(|jet| [in_space(&jet.point), in_space(&jet.d1)]).collect();
+            out.append_ribbon(&rail, 0.5 * WIDTH * size);
+        }
+        out
+    }
+}
+
+/// A vector of the plane with z = 0.
+fn in_space<const D: usize>(vector: &SVector<f64, D>) -> Vector3<f64> {
+    Vector3::from_fn(|i, _| if i < D { vector[i] } else { 0.0 })
+}
+
+/// The unit normal on the left of a direction in the plane.
+fn left_normal(tangent: &Vector3<f64>) -> Option<Vector3<f64>> {
+    Vector3::new(-tangent.y, tangent.x, 0.0).try_normalize(f64::MIN_POSITIVE)
+}
