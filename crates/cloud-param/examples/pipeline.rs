@@ -1,8 +1,11 @@
 //! A cloud from parameters to a fitted surface, with what each step achieves and how long it takes:
 //! `cargo run --release -p cloud-param --example pipeline -- POINTS.xyz [N_U N_V] [SHAPE]`.
 
-use cloud_param::{FitOptions, ParameteriseOptions, Shape, SurfaceDefects, fit_parameters, parameterise};
+use cloud_param::{
+    FitOptions, ParameteriseOptions, Shape, SurfaceDefects, finish_fit, fit_parameters, parameterise,
+};
 use nalgebra::Vector3;
+use sdm_fit::SurfaceOptions;
 use std::error::Error;
 use std::time::Instant;
 
@@ -69,6 +72,17 @@ fn main() -> Result<(), Box<dyn Error>> {
         fit.used,
         began.elapsed().as_secs_f64(),
         SurfaceDefects::of(&fit.surface, None)
+    );
+    let began = Instant::now();
+    let mut sdm = SurfaceOptions::default();
+    sdm.fit = sdm.fit.with_max_iterations(20);
+    let (done, report) = finish_fit(&points, &found.counts, fit, &sdm)?;
+    println!(
+        "  sdm rms {:.5} max {:.4} in {:.2} s: {report}, {:?}",
+        done.rms,
+        done.max,
+        began.elapsed().as_secs_f64(),
+        SurfaceDefects::of(&done.surface, None)
     );
     Ok(())
 }

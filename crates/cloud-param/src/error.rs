@@ -58,6 +58,9 @@ pub enum Error {
     /// A curve or surface could not be made.
     #[error(transparent)]
     Nurbs(#[from] nurbs_core::Error),
+    /// A surface could not be finished by squared distance minimisation.
+    #[error(transparent)]
+    Fit(#[from] sdm_fit::Error),
     /// The neighbours of points could not be found.
     #[error(transparent)]
     Cloud(#[from] mesh_core::Error),

@@ -4,13 +4,14 @@ mod common;
 
 use cloud_param::{
     Boundary, DirectedWeight, Error, FitOptions, Neighbourhood, ParameterStatus, ParameteriseOptions,
-    RefineOptions, Shape, Stage, SurfaceDefects, dynamic_base_surface, fit_parameters, parameterise,
-    parameterise_with_progress,
+    RefineOptions, Shape, Stage, SurfaceDefects, dynamic_base_surface, finish_fit, fit_parameters,
+    parameterise, parameterise_with_progress,
 };
 use common::{noise, scattered, vase, vase_point};
 use footpoint::SurfaceProjector;
 use nalgebra::{Rotation3, Vector3};
 use nurbs_core::{BsplineCurve, ParameterMethod, ParametricSurface};
+use sdm_fit::SurfaceOptions;
 use std::ops::ControlFlow;
 
 fn find(points: &[Vector3<f64>]) -> Result<cloud_param::Parameterisation, Error> {
@@ -211,4 +212,34 @@ fn the_method_before_needs_boundary_curves_and_folds_where_they_are_far() {
     let (_, report) = dynamic_base_surface(&cloud, &boundary, [16, 40], &options).unwrap();
     assert!(report.history[report.history.len() - 1].rms < report.history[0].rms);
     assert!(dynamic_base_surface(&cloud, &boundary, [3, 3], &options).is_err());
+}
+
+#[test]
+fn squared_distance_minimisation_finishes_a_fit() {
+    let points = vase(3000, 0.01);
+    let found = find(&points).unwrap();
+    let options = FitOptions { control_points: [14, 10], corrections: 0, ..FitOptions::default() };
+    let fit = fit_parameters(&points, &found.base, &found.feet, &found.counts, &options).unwrap();
+    let before = fit.rms;
+    let mut sdm = SurfaceOptions::default();
+    sdm.fit = sdm.fit.with_max_iterations(8);
+    let (done, report) = finish_fit(&points, &found.counts, fit, &sdm).unwrap();
+    assert!(done.rms < 0.8 * before, "{before} {}", done.rms);
+    assert!(report.folds.count() == 0 && SurfaceDefects::of(&done.surface, None).is_none());
+    assert!(done.surface.knots_u().is_periodic());
+}
+
+#[test]
+fn threads_that_the_grid_does_not_resolve_make_no_folds() {
+    let thread = |[a, h]: [f64; 2]| {
+        let angle = std::f64::consts::TAU * a;
+        let radius = 5.0 + 0.7 * (std::f64::consts::TAU * (25.0 * h - a)).sin();
+        Vector3::new(radius * angle.cos(), radius * angle.sin(), 40.0 * h)
+    };
+    let points: Vec<_> = (0..6000).map(scattered).map(thread).collect();
+    let found = find(&points).unwrap();
+    assert!(found.report.defects.is_none(), "{}", found.report);
+    let fit =
+        fit_parameters(&points, &found.base, &found.feet, &found.counts, &FitOptions::default()).unwrap();
+    assert!(SurfaceDefects::of(&fit.surface, None).is_none());
 }

@@ -1,16 +1,19 @@
-//! Industrial Geometry on the command line: `indgeo project | inspect | register | register-views | convert | info | demo |
-//! selftest`.
+//! Industrial Geometry on the command line: `indgeo project | inspect | register | register-views | parameterize | convert |
+//! info | demo | selftest`.
 
 mod args;
 mod commands;
 mod demo;
 mod error;
+mod evolution;
 mod files;
+mod fitting_curve;
 mod fitting_surface;
 mod inspecting;
 mod model;
 mod moving;
 mod output;
+mod parameterizing;
 mod points;
 mod poses;
 mod progress;

@@ -1,9 +1,11 @@
 //! What a projection or an inspection says to a person.
 
+use crate::parameterizing::ParameterResults;
 use crate::registration_report::RegistrationResults;
 use crate::report::{ProjectionResults, Report, Results};
 use crate::views_report::ViewsResults;
 use industrial_geometry::fit::SurfaceReport;
+use industrial_geometry::fit::curve::CurveReport;
 use industrial_geometry::inspection::{Inspection, Tolerance};
 use std::fmt::Write;
 
@@ -15,7 +17,9 @@ pub(crate) fn of(report: &Report) -> String {
         Some(Results::Projection(results)) => write_projection(&mut text, report, results),
         Some(Results::Inspection(found)) => write_inspection(&mut text, report, found),
         Some(Results::Registration(found)) => write_registration(&mut text, report, found),
+        Some(Results::Parameters(found)) => write_parameters(&mut text, report, found),
         Some(Results::Views(found)) => write_views(&mut text, report, found),
+        Some(Results::Curve(found)) => write_curve(&mut text, report, found),
         Some(Results::Surface(found)) => write_surface(&mut text, report, found),
         _ => Ok(()),
     };
@@ -156,6 +160,84 @@ fn write_views(text: &mut String, report: &Report, found: &ViewsResults) -> std:
             let names: Vec<String> = members.iter().map(|&view| name(view)).collect();
             writeln!(text, "  together  {}", names.join(", "))?;
         }
+    }
+    write_end(text, report)
+}
+
+fn write_curve(text: &mut String, report: &Report, found: &CurveReport) -> std::fmt::Result {
+    writeln!(
+        text,
+        "{} curve of degree {} with {} control points after {} iterations ({})",
+        if found.closed { "closed" } else { "open" },
+        found.degree,
+        found.controls,
+        found.iterations,
+        found.status
+    )?;
+    writeln!(
+        text,
+        "  distance  rms {}  max {} at point {} (from 0)",
+        plain(found.rms),
+        plain(found.max),
+        found.max_index
+    )?;
+    if let (Some(share), Some(reached)) = (found.share_within, found.reached) {
+        let verdict = if reached { "reached" } else { "NOT reached" };
+        writeln!(text, "  tolerance {verdict}: {:.4} % of the points within", 100.0 * share)?;
+    }
+    if !found.crossings.is_empty() {
+        writeln!(text, "  crossings {} (the curve crosses itself)", found.crossings.len())?;
+    }
+    write_end(text, report)
+}
+
+fn write_parameters(text: &mut String, report: &Report, results: &ParameterResults) -> std::fmt::Result {
+    let found = &results.found;
+    let [around, along] = found.grid;
+    writeln!(
+        text,
+        "{}: a {} of {around} x {along} samples; {} of {} points count",
+        found.status,
+        found.shape.shape.name(),
+        found.used,
+        found.points
+    )?;
+    writeln!(text, "  shape     {}", found.shape.why)?;
+    if found.views > 0 {
+        let axis = &found.axis;
+        writeln!(
+            text,
+            "  axis      ({:.6}, {:.6}, {:.6}), {} views, {} of {} layers",
+            axis.direction.x,
+            axis.direction.y,
+            axis.direction.z,
+            found.views,
+            found.layers[0],
+            found.layers[1]
+        )?;
+    }
+    writeln!(
+        text,
+        "  distance  rms {}  max {}  (points are {} apart)",
+        plain(found.rms),
+        plain(found.max),
+        plain(found.spacing)
+    )?;
+    writeln!(
+        text,
+        "  surface   {} self-loops, {} crossovers; {:.1} % of the points have one closest point only",
+        found.defects.self_loops,
+        found.defects.crossovers,
+        100.0 * found.unique
+    )?;
+    if let Some(fit) = &results.fit {
+        let [u, v] = fit.control_points;
+        writeln!(
+            text,
+            "  fit       {u} x {v} control points: rms {}  max {}",
+            plain(fit.rms),
+            plain(fit.max)
+        )?;
     }
     write_end(text, report)
 }

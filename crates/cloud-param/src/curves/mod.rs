@@ -18,8 +18,8 @@ use std::f64::consts::TAU;
 /// Typical distance of samples of a base curve, in pitches of the cloud.
 pub(crate) const SAMPLE_SPACING: f64 = 2.5;
 /// Most layers, and most samples on a curve.
-const MOST_LAYERS: usize = 160;
-const MOST_SAMPLES: usize = 320;
+const MOST_LAYERS: usize = 100;
+pub(crate) const MOST_SAMPLES: usize = 200;
 /// Share of the directions in which an end layer must have points.
 const CLOSED: f64 = 0.9;
 /// Share of the layers that may fail.

@@ -1,6 +1,6 @@
 //! Base curves drawn to the cloud.
 
-use super::{ClosedCurve, LayerCurve, SAMPLE_SPACING};
+use super::{ClosedCurve, LayerCurve, MOST_SAMPLES, SAMPLE_SPACING};
 use crate::defects::self_loops;
 use crate::directed::project;
 use crate::{AxisFrame, DirectedOptions, Error, Neighbourhood, parallel};
@@ -71,7 +71,8 @@ pub fn project_curves(
 ) -> Result<CurveReport, Error> {
     options.directed.check()?;
     let longest = curves.iter().map(|c| c.curve.length()).fold(0.0, f64::max);
-    let step = options.samples.map_or(SAMPLE_SPACING * cloud.pitch(), |n| longest / n.max(5) as f64);
+    let automatic = (SAMPLE_SPACING * cloud.pitch()).max(longest / MOST_SAMPLES as f64);
+    let step = options.samples.map_or(automatic, |n| longest / n.max(5) as f64);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
     let count = |curve: &ClosedCurve| (curve.length() / step).round().clamp(8.0, 4096.0) as usize;
     let mut report = CurveReport::default();

@@ -1,12 +1,18 @@
 //! Least squares surfaces from the parameters of a base surface.
 
+mod finish;
 mod knots;
+
+pub use finish::finish_fit;
 
 use crate::{Error, SurfaceDefects, parallel};
 use footpoint::{ProjectionOptions, SurfaceFootpoint, SurfaceProjector, no_progress};
 use knots::Spans;
 use nalgebra::Vector3;
 use nurbs_core::{BsplineSurface, ParametricSurface, SurfaceFitOptions};
+
+/// How many times the regularisation is raised tenfold as long as the surface folds.
+const STIFFER: usize = 5;
 
 /// How a surface is fitted to points with parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,7 +23,8 @@ pub struct FitOptions {
     /// Degree in both directions; default 3.
     pub degree: usize,
     /// Factor of the thin plate energy, of which a little bridges holes; default 1e-10. The energy is measured with the domain
-    /// scaled to the unit square, so that the factor does not depend on the unit of length.
+    /// scaled to the unit square, so that the factor does not depend on the unit of length. It is raised, tenfold and five times
+    /// at most, as long as the surface folds.
     pub regularisation: f64,
     /// How many times the knots are moved to where the distances are large; default 8, with 0 they are equally spaced.
     pub redistributions: usize,
@@ -128,12 +135,26 @@ pub fn fit_parameters(
     }
     // Moves may overshoot: the best knots count.
     let knots = knots(&best.1)?;
+    // Parameters that make the surface fold are no better, however near it comes.
+    let folds = |surface: &BsplineSurface| SurfaceDefects::of(surface, None).crossovers;
+    let mut stiff = fit.clone();
+    let mut first = BsplineSurface::approximate(knots.clone(), &parameters, &data, &stiff)?.shape;
+    for _ in 0..STIFFER {
+        if folds(&first) == 0 {
+            break;
+        }
+        // More of the energy where the net does not resolve what the data show.
+        let regularisation = (10.0 * stiff.regularization).max(1e-10);
+        stiff = stiff.with_regularization(regularisation);
+        let next = BsplineSurface::approximate(knots.clone(), &parameters, &data, &stiff)?.shape;
+        if folds(&next) <= folds(&first) {
+            first = next;
+        }
+    }
     let mut history = Vec::new();
+    let mut next = Some(first);
     let mut best: Option<(BsplineSurface, Vec<SurfaceFootpoint>)> = None;
-    loop {
-        let surface = BsplineSurface::approximate(knots.clone(), &parameters, &data, &fit)?.shape;
-        // Parameters that make the surface fold are no better, however near it comes.
-        let folds = |surface: &BsplineSurface| SurfaceDefects::of(surface, None).crossovers;
+    while let Some(surface) = next.take() {
         if best.as_ref().is_some_and(|(before, _)| folds(&surface) > folds(before)) {
             break;
         }
@@ -142,8 +163,8 @@ pub fn fit_parameters(
         history.push(rms(&used, &all));
         parameters = used.iter().map(|&i| all[i].parameter).collect();
         best = Some((surface, all));
-        if history.len() > options.corrections {
-            break;
+        if history.len() <= options.corrections {
+            next = Some(BsplineSurface::approximate(knots.clone(), &parameters, &data, &stiff)?.shape);
         }
     }
     let Some((surface, feet)) = best else {

@@ -31,6 +31,8 @@ const AROUND: f64 = 0.75;
 const GAP: f64 = 0.15;
 /// Mean square of the cosine between normals and axis beyond which there is no cylinder; 1/3 for a sphere.
 const ALONG: f64 = 0.42;
+/// Mean share of the directions covered from which on this does not matter.
+const NO_GAP: f64 = 0.97;
 /// Share of the base surface that may lie over holes.
 const MISSING: f64 = 0.15;
 /// Share of the points that may lie beyond the ends.
@@ -175,8 +177,10 @@ fn one_part(points: &[Vector3<f64>]) -> Result<(Neighbourhood, Vec<bool>), Error
 
 /// Whether the layers close around the axis.
 fn closes(cloud: &Neighbourhood, axis: &AxisEstimate, choice: AxisChoice) -> Result<(), Error> {
+    // Threads face along the axis, too, but leave no gap.
+    let faces_along = |axis: &AxisEstimate| axis.normals_along > ALONG && axis.coverage.mean() < NO_GAP;
     let fits = |axis: &AxisEstimate| {
-        axis.normals_along <= ALONG && axis.coverage.median() >= AROUND && axis.coverage.typical_gap() <= GAP
+        !faces_along(axis) && axis.coverage.median() >= AROUND && axis.coverage.typical_gap() <= GAP
     };
     if fits(axis) {
         return Ok(());
@@ -195,11 +199,8 @@ fn closes(cloud: &Neighbourhood, axis: &AxisEstimate, choice: AxisChoice) -> Res
         ),
         None => "a surface that is open on one side needs the shape plane".into(),
     };
-    let what = if axis.normals_along > ALONG {
-        "it faces along the axis like a bowl or a sheet"
-    } else {
-        "it is open"
-    };
+    let what =
+        if faces_along(axis) { "it faces along the axis like a bowl or a sheet" } else { "it is open" };
     Err(Error::Shape {
         wanted: "a cylinder",
         why: format!(

@@ -4,11 +4,13 @@ mod csv;
 mod deviations;
 mod json;
 mod number;
+mod parameters;
 mod ply;
 mod rows;
 mod table;
 
 pub(crate) use deviations::{DeviationTable, Measured};
+pub(crate) use parameters::ParameterTable;
 pub(crate) use rows::Rows;
 pub(crate) use table::{Layout, Table};
 

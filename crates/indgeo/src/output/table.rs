@@ -59,7 +59,7 @@ impl Column {
             Self::U | Self::T => Cell::Number(foot.parameter[0]),
             Self::V => Cell::Number(foot.parameter[1]),
             Self::Triangle => index(foot.triangle),
-            Self::Status => Cell::Name(foot.status.name(), code(foot.status)),
+            Self::Status => status_cell(foot.status),
         }
     }
 }
@@ -123,6 +123,17 @@ fn code(status: Status) -> u8 {
     (0u8..).zip(STATUSES).find(|(_, other)| *other == status).map_or(u8::MAX, |(code, _)| code)
 }
 
+/// A status with its number.
+pub(super) fn status_cell(status: Status) -> Cell {
+    Cell::Name(status.name(), code(status))
+}
+
+/// What the numbers of statuses in binary files mean.
+pub(super) fn status_comment() -> String {
+    let names: Vec<String> = STATUSES.iter().map(|&status| format!("{} {status}", code(status))).collect();
+    format!("status: {}", names.join(", "))
+}
+
 impl Rows for Table<'_> {
     fn names(&self) -> Vec<&'static str> {
         self.layout.names()
@@ -141,11 +152,9 @@ impl Rows for Table<'_> {
     }
 
     fn comments(&self) -> Vec<String> {
-        let names: Vec<String> =
-            STATUSES.iter().map(|&status| format!("{} {status}", code(status))).collect();
         vec![
             format!("footpoints by indgeo {}, in the unit of the input", env!("CARGO_PKG_VERSION")),
-            format!("status: {}", names.join(", ")),
+            status_comment(),
         ]
     }
 }

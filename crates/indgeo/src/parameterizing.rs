@@ -1,0 +1,187 @@
+//! The parameterisation of a cloud: read, parameterise, fit, write.
+
+use crate::error::Error;
+use crate::files;
+use crate::output::{self, Format, ParameterTable};
+use crate::points::Points;
+use crate::progress::Progress;
+use crate::report::{Input, Output, Report, Results, Timings};
+use industrial_geometry::cloud_param::{
+    self, FitOptions, Parameterisation, ParameteriseOptions, ParameteriseReport, Stage, SurfaceDefects,
+    SurfaceFit, fit_parameters, parameterise_with_progress,
+};
+use industrial_geometry::io::{self, Model, WriteOptions};
+use industrial_geometry::nurbs::BsplineSurface;
+use serde::Serialize;
+use std::path::Path;
+
+/// What is to be done.
+#[derive(Debug)]
+pub(crate) struct Job<'a> {
+    /// File of the points.
+    pub(crate) points: &'a Path,
+    /// File of the base surface.
+    pub(crate) base: Option<&'a Path>,
+    /// File of the parameters.
+    pub(crate) params: Option<&'a Path>,
+    /// File of the fitted surface.
+    pub(crate) fitted: Option<&'a Path>,
+    /// Options of the library.
+    pub(crate) options: ParameteriseOptions,
+    /// Options of the fit.
+    pub(crate) fit: FitOptions,
+    /// Whether nobody wants to watch.
+    pub(crate) quiet: bool,
+}
+
+/// What a parameterisation found.
+#[derive(Debug, Serialize)]
+pub(crate) struct ParameterResults {
+    /// What the library reports.
+    #[serde(flatten)]
+    pub(crate) found: ParameteriseReport,
+    /// The fitted surface, if one was asked for.
+    pub(crate) fit: Option<FitResults>,
+}
+
+/// A fitted surface in numbers.
+#[derive(Debug, Serialize)]
+pub(crate) struct FitResults {
+    /// Control points in u (different ones) and v.
+    pub(crate) control_points: [usize; 2],
+    /// Root mean square orthogonal distance after the fit and after each correction.
+    pub(crate) history: Vec<f64>,
+    /// Root mean square orthogonal distance at the end.
+    pub(crate) rms: f64,
+    /// Largest orthogonal distance at the end.
+    pub(crate) max: f64,
+    /// Points that count.
+    pub(crate) used: usize,
+    /// What is wrong with the surface.
+    pub(crate) defects: SurfaceDefects,
+}
+
+/// Does the job and fills in the report; returns whether the base surface is as it should be.
+pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
+    for path in [job.base, job.params, job.fitted].into_iter().flatten() {
+        files::check_writable(path, &[job.points])?;
+    }
+    for path in [job.base, job.fitted].into_iter().flatten() {
+        if files::extension(path) != "json" {
+            return Err(Error::content(
+                path,
+                "surfaces are written as NURBS JSON",
+                "choose the extension .json",
+            ));
+        }
+    }
+    let format = job.params.map(|path| Format::of(path).map(|format| (path, format))).transpose()?;
+    let mut timings = Timings::default();
+    let points = Timings::measure(&mut timings.read, || Points::read(job.points, false))?;
+    report.inputs.push(Input::new("points", job.points, &points.report));
+    let warnings = points.report.warnings.iter().map(|w| format!("{}: {w}", job.points.display()));
+    report.warnings.extend(warnings);
+    let cloud = points.in_space(job.points)?;
+
+    let progress = Progress::steps("parameterising", job.quiet);
+    let tell = |stage: Stage| progress.report(stage as usize, Stage::Parameters as usize + 1);
+    let failed = |error: cloud_param::Error| Error::content(job.points, error.to_string(), ADVICE);
+    let found =
+        Timings::measure(&mut timings.compute, || parameterise_with_progress(&cloud, &job.options, &tell))
+            .map_err(failed)?;
+    let fitted = match job.fitted {
+        Some(_) => Some(
+            Timings::measure(&mut timings.compute, || {
+                fit_parameters(&cloud, &found.base, &found.feet, &found.counts, &job.fit)
+            })
+            .map_err(failed)?,
+        ),
+        None => None,
+    };
+    drop(progress);
+    warn(job, &found.report, report);
+
+    let mut seconds = 0.0;
+    Timings::measure(&mut seconds, || -> Result<(), Error> {
+        if let Some(path) = job.base {
+            surface(path, &found.base, "base surface", report)?;
+        }
+        if let (Some(path), Some(fit)) = (job.fitted, &fitted) {
+            surface(path, &fit.surface, "fitted surface", report)?;
+        }
+        if let Some((path, format)) = format {
+            let table =
+                ParameterTable { points: &points.positions, feet: &found.feet, counts: &found.counts };
+            let bytes = output::write(path, format, &table)?;
+            let content = format!("{} parameter pairs", found.feet.len());
+            report.outputs.push(Output { path: path.to_path_buf(), bytes, content });
+        }
+        Ok(())
+    })?;
+    timings.write = seconds;
+    report.timings = timings;
+    let converged = found.is_converged();
+    let results = results(found, fitted, job.fit);
+    let folded = results.fit.as_ref().map_or(0, |fit| fit.defects.crossovers);
+    if folded > 0 {
+        report.warnings.push(format!(
+            "the fitted surface folds in {folded} cells; try other numbers of --control-points, or fewer --corrections"
+        ));
+    }
+    report.results = Some(Results::Parameters(Box::new(results)));
+    Ok(converged && folded == 0)
+}
+
+const ADVICE: &str = "see `indgeo parameterize --help`, and check the file with `indgeo info`";
+
+fn results(found: Parameterisation, fitted: Option<SurfaceFit>, options: FitOptions) -> ParameterResults {
+    let fit = fitted.map(|fit| FitResults {
+        control_points: options.control_points,
+        defects: SurfaceDefects::of(&fit.surface, None),
+        history: fit.history,
+        rms: fit.rms,
+        max: fit.max,
+        used: fit.used,
+    });
+    ParameterResults { found: found.report, fit }
+}
+
+fn surface(path: &Path, surface: &BsplineSurface, content: &str, report: &mut Report) -> Result<(), Error> {
+    let mut model = Model::default();
+    model.push(surface.clone(), Some(content.to_owned()));
+    let written = io::write_model(path, &model, &WriteOptions::default())?;
+    report.outputs.push(Output {
+        path: path.to_path_buf(),
+        bytes: written.bytes,
+        content: content.to_owned(),
+    });
+    Ok(())
+}
+
+fn warn(job: &Job<'_>, found: &ParameteriseReport, report: &mut Report) {
+    let name = job.points.display();
+    let mut say = |count: usize, what: &str| {
+        if count > 0 {
+            report.warnings.push(format!("{name}: {count} of {} points {what}", found.points));
+        }
+    };
+    say(found.dropped, "have a coordinate that is NaN or infinite; they get no parameters");
+    say(
+        found.strays,
+        "lie apart from the others; the base surface does not follow them, and they do not count",
+    );
+    say(found.beyond_ends, "lie beyond the ends of the base surface; they do not count for a fit");
+    if !found.defects.is_none() {
+        report.warnings.push(format!(
+            "{name}: the base surface has {} self-loops and {} crossovers; parameters are wrong there: try a coarser --grid, \
+             another --axis or --shape",
+            found.defects.self_loops, found.defects.crossovers
+        ));
+    }
+    if found.unsupported > 0.02 {
+        report.warnings.push(format!(
+            "{name}: {:.0} % of the base surface lie over holes in the points",
+            100.0 * found.unsupported
+        ));
+    }
+}

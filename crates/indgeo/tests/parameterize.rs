@@ -1,0 +1,91 @@
+//! `indgeo parameterize` as a user runs it.
+
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+mod common;
+
+use common::{Bench, fixture};
+use std::f64::consts::TAU;
+
+/// A vase of which a share goes around, in no order.
+fn vase(share: f64) -> String {
+    let line = |i: u32| {
+        let (a, h) =
+            (TAU * share * (f64::from(i) * 0.754_877_666).fract(), (f64::from(i) * 0.569_840_291).fract());
+        let r = 3.0 + 0.6 * (4.0 * h).sin() + 0.4 * (3.0 * a).cos();
+        format!("{} {} {}\n", r * a.cos(), r * a.sin(), 10.0 * h)
+    };
+    (0..3000).map(line).collect()
+}
+
+#[test]
+fn a_vase_gets_parameters_and_a_surface() {
+    let bench = Bench::new();
+    bench.put("scan.xyz", vase(1.0) + "nan 0 0\n");
+    let run = bench.run(
+        "parameterize scan.xyz -o base.json --params uv.csv --fit fitted.json --control-points 16,12 --json report.json",
+    );
+    assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+    assert!(
+        run.stdout.contains("a cylinder of") && run.stderr.contains("1 of 3001 points have"),
+        "{}{}",
+        run.stdout,
+        run.stderr
+    );
+    let report: serde_json::Value = serde_json::from_str(&bench.text("report.json")).unwrap();
+    let results = &report["results"];
+    assert_eq!((&report["command"], &results["status"]), (&"parameterize".into(), &"converged".into()));
+    assert_eq!(results["defects"]["crossovers"], 0);
+    assert!(results["fit"]["rms"].as_f64().unwrap() < 0.01, "{results}");
+    assert!(
+        results["times"].as_array().unwrap().len() >= 5
+            && results["curve_history"].as_array().unwrap().len() >= 2
+    );
+    let csv = bench.text("uv.csv");
+    let mut lines = csv.lines();
+    assert_eq!(lines.next(), Some("x,y,z,u,v,distance,used,status"));
+    assert_eq!(csv.lines().count(), 3002);
+    assert!(lines.next().unwrap().ends_with(",1,converged"));
+    assert!(csv.lines().last().unwrap().ends_with(",,,,0,invalid_point"), "{:?}", csv.lines().last());
+    // Other commands read the surfaces.
+    let run = bench.run("inspect fitted.json scan.xyz --tolerance 0.1 --json -");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let base = bench.text("base.json");
+    assert!(base.contains("\"periodic_u\""));
+}
+
+#[test]
+fn a_real_scan_of_a_bolt() {
+    let bench = Bench::new();
+    let scan = fixture("scans/stud-bolt.ply");
+    let run = bench.run(&format!("parameterize {scan} -o base.json --json -"));
+    assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+    let report = run.report();
+    assert_eq!(report["results"]["shape"]["shape"], "cylinder");
+    assert!(report["results"]["unique"].as_f64().unwrap() > 0.99);
+}
+
+#[test]
+fn bad_input_says_what_and_what_to_do() {
+    let bench = Bench::new();
+    bench.put("half.xyz", vase(0.5));
+    bench.put("scan.xyz", vase(1.0));
+    bench.put("few.xyz", vase(1.0).lines().take(10).map(|l| format!("{l}\n")).collect::<String>());
+    for (arguments, message) in [
+        ("parameterize scan.xyz", "nothing would be written"),
+        ("parameterize few.xyz -o base.json", "at least 100 are needed"),
+        ("parameterize half.xyz -o base.json --shape cylinder", "not a cylinder"),
+        ("parameterize scan.xyz -o base.json --shape cylinder --axis 1,0,0", "fits, around which they close"),
+        ("parameterize scan.xyz -o base.json --axis 0,0,0", "not all zero"),
+        ("parameterize scan.xyz -o base.json --grid 3,3", "from 4 to 2000"),
+        ("parameterize scan.xyz -o base.stl", "NURBS JSON"),
+        ("parameterize scan.xyz --params uv.txt", "choose .csv"),
+        ("parameterize scan.xyz -o scan.xyz", "overwrite an input"),
+        ("parameterize scan.xyz -o base.json --control-points 9,9", "--fit"),
+    ] {
+        let run = bench.run(arguments);
+        assert_eq!(run.code, 2, "{arguments}: {}{}", run.stdout, run.stderr);
+        assert!(run.stderr.contains(message), "{arguments}: {}", run.stderr);
+    }
+    assert!(!bench.files().contains(&"base.json".to_owned()));
+}
