@@ -1,7 +1,8 @@
 //! What can be typed.
 
 use crate::commands::{
-    convert, demo, fit_surface, info, inspect, parameterize, project, register, register_views, selftest,
+    convert, demo, fit_curve, fit_surface, info, inspect, parameterize, project, register, register_views,
+    selftest,
 };
 use clap::{Args, Parser, Subcommand};
 use std::path::{Path, PathBuf};
@@ -26,6 +27,7 @@ Examples:
   indgeo inspect model.json scan.ply --tolerance 0.05 --report report.html
   indgeo register part.stl scan.ply -o moved.ply --transform pose.json
   indgeo register-views scan1.ply scan2.ply scan3.ply -o aligned
+  indgeo fit-curve section.xyz -o section.json --tolerance 0.05
   indgeo parameterize scan.ply -o base.json --params uv.csv
   indgeo fit-surface scan.ply -o surface.json --tolerance 0.05
   indgeo info scan.ply";
@@ -36,6 +38,7 @@ pub(crate) enum Command {
     Inspect(inspect::Args),
     Register(register::Args),
     RegisterViews(register_views::Args),
+    FitCurve(fit_curve::Args),
     Parameterize(parameterize::Args),
     FitSurface(fit_surface::Args),
     Convert(convert::Args),
@@ -52,6 +55,7 @@ impl Command {
             Self::Inspect(args) => args.files(),
             Self::Register(args) => args.files(),
             Self::RegisterViews(args) => args.files(),
+            Self::FitCurve(args) => args.files(),
             Self::Parameterize(args) => args.files(),
             Self::FitSurface(args) => args.files(),
             Self::Convert(args) => (vec![&args.input], vec![args.output.clone()]),
@@ -68,6 +72,7 @@ impl Command {
             Self::Inspect(_) => "inspect",
             Self::Register(_) => "register",
             Self::RegisterViews(_) => "register-views",
+            Self::FitCurve(_) => "fit-curve",
             Self::Parameterize(_) => "parameterize",
             Self::FitSurface(_) => "fit-surface",
             Self::Convert(_) => "convert",

@@ -5,6 +5,7 @@ use crate::registration_report::RegistrationResults;
 use crate::selftest::Check;
 use crate::views_report::ViewsResults;
 use industrial_geometry::fit::SurfaceReport;
+use industrial_geometry::fit::curve::CurveReport;
 use industrial_geometry::inspection::{Inspection, Statistics};
 use industrial_geometry::io::ReadReport;
 use serde::Serialize;
@@ -167,6 +168,8 @@ pub(crate) enum Results {
     Registration(Box<RegistrationResults>),
     /// Of a registration of many views.
     Views(Box<ViewsResults>),
+    /// Of a fit of a curve.
+    Curve(Box<CurveReport>),
     /// Of a parameterisation.
     Parameters(Box<ParameterResults>),
     /// Of a fit of a surface.

@@ -5,6 +5,7 @@ use crate::registration_report::RegistrationResults;
 use crate::report::{ProjectionResults, Report, Results};
 use crate::views_report::ViewsResults;
 use industrial_geometry::fit::SurfaceReport;
+use industrial_geometry::fit::curve::CurveReport;
 use industrial_geometry::inspection::{Inspection, Tolerance};
 use std::fmt::Write;
 
@@ -18,6 +19,7 @@ pub(crate) fn of(report: &Report) -> String {
         Some(Results::Registration(found)) => write_registration(&mut text, report, found),
         Some(Results::Parameters(found)) => write_parameters(&mut text, report, found),
         Some(Results::Views(found)) => write_views(&mut text, report, found),
+        Some(Results::Curve(found)) => write_curve(&mut text, report, found),
         Some(Results::Surface(found)) => write_surface(&mut text, report, found),
         _ => Ok(()),
     };
@@ -158,6 +160,33 @@ fn write_views(text: &mut String, report: &Report, found: &ViewsResults) -> std:
             let names: Vec<String> = members.iter().map(|&view| name(view)).collect();
             writeln!(text, "  together  {}", names.join(", "))?;
         }
+    }
+    write_end(text, report)
+}
+
+fn write_curve(text: &mut String, report: &Report, found: &CurveReport) -> std::fmt::Result {
+    writeln!(
+        text,
+        "{} curve of degree {} with {} control points after {} iterations ({})",
+        if found.closed { "closed" } else { "open" },
+        found.degree,
+        found.controls,
+        found.iterations,
+        found.status
+    )?;
+    writeln!(
+        text,
+        "  distance  rms {}  max {} at point {} (from 0)",
+        plain(found.rms),
+        plain(found.max),
+        found.max_index
+    )?;
+    if let (Some(share), Some(reached)) = (found.share_within, found.reached) {
+        let verdict = if reached { "reached" } else { "NOT reached" };
+        writeln!(text, "  tolerance {verdict}: {:.4} % of the points within", 100.0 * share)?;
+    }
+    if !found.crossings.is_empty() {
+        writeln!(text, "  crossings {} (the curve crosses itself)", found.crossings.len())?;
     }
     write_end(text, report)
 }

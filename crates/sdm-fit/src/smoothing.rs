@@ -23,6 +23,7 @@ const AS_GOOD: f64 = 0.1;
 const EXACT: usize = 100;
 /// Number of random vectors.
 const PROBES: usize = 24;
+const LEAST_PROBES: usize = 4;
 /// Factor between two values of `λ` that count as the same.
 const SAME: f64 = 1.3;
 /// Iterations after which the automatic value is kept.
@@ -218,9 +219,11 @@ impl<const D: usize> Question<'_, D> {
             }
         } else {
             let mut state = 0x9e37_79b9_7f4a_7c15_u64;
-            for _ in 0..PROBES {
+            // Many unknowns average themselves.
+            let probes = (PROBES * EXACT).div_ceil(n * D).clamp(LEAST_PROBES, PROBES);
+            for _ in 0..probes {
                 let z: Vec<_> = (0..n).map(|_| SVector::from_fn(|_, _| sign(&mut state))).collect();
-                trace += probe(&free(z))? / PROBES as f64;
+                trace += probe(&free(z))? / probes as f64;
             }
         }
         let freedom = 1.0 - CAUTION * trace / count;

@@ -2,6 +2,7 @@
 
 pub(crate) mod convert;
 pub(crate) mod demo;
+pub(crate) mod fit_curve;
 pub(crate) mod fit_surface;
 pub(crate) mod info;
 pub(crate) mod inspect;
@@ -47,6 +48,7 @@ pub(crate) fn run(command: &Command, common: &Common, report: &mut Report) -> Re
         Command::Inspect(args) => inspect::run(args, common, report),
         Command::Register(args) => register::run(args, common, report),
         Command::RegisterViews(args) => register_views::run(args, common, report),
+        Command::FitCurve(args) => fit_curve::run(args, common, report),
         Command::Parameterize(args) => parameterize::run(args, common, report),
         Command::FitSurface(args) => fit_surface::run(args, common, report),
         Command::Convert(args) => convert::run(args, report),

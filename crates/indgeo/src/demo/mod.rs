@@ -11,7 +11,7 @@ mod placement;
 mod profile;
 mod scale;
 mod side_view;
-mod svg;
+pub(crate) mod svg;
 
 pub(crate) use alignment::{Files, run as align, write_text};
 pub(crate) use bolt::{Bolt, Zones};

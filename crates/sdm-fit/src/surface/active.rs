@@ -16,7 +16,7 @@ const ONE_POINT: f64 = 1e-12;
 const NARROW: f64 = 0.3;
 const COLLAPSED: f64 = 0.01;
 /// Places per direction at which the area of a cell is measured.
-const PLACES: usize = 3;
+const PLACES: usize = 4;
 
 /// A polynomial B-spline surface whose control points are unknown, open or closed (periodic knots) in each direction
 /// (\[P05, sec. 4.2\]).
@@ -33,8 +33,10 @@ pub struct ActiveSurface {
     spans: [Vec<usize>; 2],
     /// Index of each knot span among those that are not empty.
     place_of_span: [Vec<usize>; 2],
-    /// Area (by the unit of the parameters) of each cell at the start.
+    /// Least area (by the unit of the parameters) in each cell at the start.
     references: Vec<f64>,
+    /// How much more each cell counts in the fairing, besides what its narrowness does.
+    stiffness: Vec<f64>,
 }
 
 impl ActiveSurface {
@@ -71,8 +73,17 @@ impl ActiveSurface {
         let cells = CellTable::new(table);
         let areas = areas(&surface, &spans);
         let mean = areas.iter().map(|cell| cell.mean).sum::<f64>() / areas.len().max(1) as f64;
-        let references = areas.iter().map(|cell| cell.mean.max(0.1 * mean)).collect();
-        Ok(Self { surface, coefficients, unknowns, cells, spans, place_of_span, references })
+        let reference = |(cell, area): (usize, &CellArea)| {
+            let usual = area.mean.max(0.1 * mean);
+            // Cells at a pole have no area there to begin with.
+            let mut columns = cells.columns(cell).to_vec();
+            columns.sort_unstable();
+            let at_pole = columns.windows(2).any(|pair| pair[0] == pair[1]);
+            area.least.clamp(if at_pole { 1e-3 * usual } else { NARROW * usual }, usual)
+        };
+        let references = areas.iter().enumerate().map(reference).collect();
+        let stiffness = vec![1.0; areas.len()];
+        Ok(Self { surface, coefficients, unknowns, cells, spans, place_of_span, references, stiffness })
     }
 
     /// The surface.
@@ -107,6 +118,28 @@ impl ActiveSurface {
         out.sort_unstable();
         out.dedup();
         out
+    }
+
+    /// Makes the given cells (spans in u and v) and their neighbours count more in the fairing.
+    pub(super) fn stiffen(&mut self, cells: &[[usize; 2]], factor: f64) {
+        let counts = [self.spans[0].len(), self.spans[1].len()];
+        let closed = self.knots().map(KnotVector::is_periodic);
+        let mut touched = vec![false; self.stiffness.len()];
+        for cell in cells {
+            for k in 0..9 {
+                let place = [0, 1].map(|d| {
+                    let moved = cell[d] + counts[d] + [k / 3, k % 3][d] - 1;
+                    let inside = closed[d] || (counts[d]..2 * counts[d]).contains(&moved);
+                    inside.then_some(moved % counts[d])
+                });
+                if let [Some(u), Some(v)] = place {
+                    touched[u * counts[1] + v] = true;
+                }
+            }
+        }
+        for (stiffness, _) in self.stiffness.iter_mut().zip(touched).filter(|(_, t)| *t) {
+            *stiffness *= factor;
+        }
     }
 
     fn knots(&self) -> [&KnotVector; 2] {
@@ -156,7 +189,8 @@ fn areas(surface: &BsplineSurface, spans: &[Vec<usize>; 2]) -> Vec<CellArea> {
     crate::parallel::map(spans[0].len() * columns, |cell| {
         let u = surface.knots_u().span_interval(spans[0][cell / columns]);
         let v = surface.knots_v().span_interval(spans[1][cell % columns]);
-        let share = |k: usize| (k as f64 + 0.5) / PLACES as f64;
+        // From edge to edge, but clear of poles.
+        let share = |k: usize| 0.001 + 0.998 * k as f64 / (PLACES - 1) as f64;
         let mut vectors = [Vector3::zeros(); PLACES * PLACES];
         for (k, vector) in vectors.iter_mut().enumerate() {
             let jet = surface.jet(u.lerp(share(k / PLACES)), v.lerp(share(k % PLACES)));
@@ -292,11 +326,12 @@ impl ActiveShape<3> for ActiveSurface {
 
     fn tangent_planes(&self) -> Vec<(Vector3<f64>, f64)> {
         let now = areas(&self.surface, &self.spans);
-        let factor = |(cell, reference): (&CellArea, &f64)| {
-            let share = (cell.least / reference).max(COLLAPSED);
-            (cell.normal, if share < NARROW { (NARROW / share).powi(2) } else { 1.0 })
+        let factor = |(cell, area): (usize, &CellArea)| {
+            let share = (area.least / self.references[cell]).max(COLLAPSED);
+            let narrow = if share < NARROW { (NARROW / share).powi(2) } else { 1.0 };
+            (area.normal, narrow * self.stiffness[cell])
         };
-        now.iter().zip(&self.references).map(factor).collect()
+        now.iter().enumerate().map(factor).collect()
     }
 
     fn frames(

@@ -19,7 +19,8 @@ const ASKED: usize = 2500;
 const TRIFLE: f64 = 1e-6;
 /// How often a folded surface is faired more, and the steps each time.
 const UNFOLDINGS: usize = 6;
-const UNFOLDING_STEPS: usize = 8;
+const UNFOLDING_STEPS: usize = 6;
+const STIFFER: f64 = 10.0;
 
 /// How a cloud is made a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -277,7 +278,7 @@ fn for_size(options: &FitOptions, coefficients: usize) -> FitOptions {
     }
 }
 
-/// Goes on with more fairing while cells are folded, a few times; the folds that stay.
+/// Goes on with more fairing around folded cells, a few times; the folds that stay.
 fn unfold(
     fitted: &mut Fitted<ActiveSurface, 3>,
     history: &mut Vec<StepRecord>,
@@ -287,22 +288,18 @@ fn unfold(
     progress: Progress<'_>,
 ) -> Result<Folds, Error> {
     let mut folds = Folds::of(fitted.shape.surface());
-    let mut fairing = options.fairing;
     for _ in 0..UNFOLDINGS {
-        if folds.count() == 0 || fairing <= 0.0 || fitted.report.status == Status::Cancelled {
+        if folds.count() == 0 || options.fairing <= 0.0 || fitted.report.status == Status::Cancelled {
             break;
         }
-        fairing *= 3.0;
+        fitted.shape.stiffen(&folds.folded, STIFFER);
         let lambda = fitted.report.lambda;
-        let more = options
-            .with_fairing(fairing)
-            .with_smoothing(Smoothing::Fixed { lambda })
-            .with_max_iterations(UNFOLDING_STEPS);
+        let more = options.with_smoothing(Smoothing::Fixed { lambda }).with_max_iterations(UNFOLDING_STEPS);
         let status = fitted.report.status;
         let mut next = fit_with_progress(fitted.shape.clone(), target, constraints, &more, progress)?;
         history.append(&mut next.report.history);
         let left = Folds::of(next.shape.surface());
-        if left.count() >= folds.count() && next.report.status != Status::Cancelled {
+        if left.count() > folds.count() && next.report.status != Status::Cancelled {
             continue;
         }
         folds = left;

@@ -1,0 +1,242 @@
+//! The fit of a curve: read, fit, write.
+
+use crate::error::Error;
+use crate::evolution;
+use crate::files;
+use crate::progress::Progress;
+use crate::report::{Input, Output, Report, Results, Timings};
+use industrial_geometry::fit::curve::{CurveFit, CurveOptions, PointFoot, fit_curve_with_progress};
+use industrial_geometry::fit::{Error as FitError, StepRecord};
+use industrial_geometry::io::{self, AtomicFile, Content, Model, ReadOptions, Shape, WriteOptions};
+use industrial_geometry::nurbs::BsplineCurve;
+use industrial_geometry::nurbs::nalgebra::{SVector, Vector3};
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::Path;
+
+/// What is to be done.
+#[derive(Debug)]
+pub(crate) struct Job<'a> {
+    /// File of the points.
+    pub(crate) points: &'a Path,
+    /// File of the curve to start from.
+    pub(crate) init: Option<&'a Path>,
+    /// File of the curve.
+    pub(crate) out: Option<&'a Path>,
+    /// File of the footpoints.
+    pub(crate) feet: Option<&'a Path>,
+    /// File of the history.
+    pub(crate) history: Option<&'a Path>,
+    /// File of the drawing.
+    pub(crate) evolution: Option<&'a Path>,
+    /// Options of the library.
+    pub(crate) options: CurveOptions,
+    /// Whether nobody wants to watch.
+    pub(crate) quiet: bool,
+}
+
+/// A curve to start from.
+enum Start {
+    Plane(BsplineCurve<2>),
+    Space(BsplineCurve<3>),
+}
+
+/// Does the job and fills in the report; returns whether the curve is what was asked for.
+pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
+    let inputs: Vec<&Path> = std::iter::once(job.points).chain(job.init).collect();
+    files::check_inputs(&inputs)?;
+    let outputs: Vec<&Path> = [job.out, job.feet, job.history, job.evolution].into_iter().flatten().collect();
+    for (index, path) in outputs.iter().enumerate() {
+        files::check_writable(path, &inputs)?;
+        if outputs[..index].iter().any(|other| files::is_same(path, other)) {
+            return Err(Error::content(path, "two results would be written here", "choose another name"));
+        }
+    }
+    let loaded =
+        Timings::measure(&mut report.timings.read, || files::read(job.points, &ReadOptions::default()))?;
+    report.inputs.push(Input::new("points", job.points, &loaded.report));
+    let (points, planar) = positions(&loaded.content, job.points)?;
+    match job.init.map(|path| start(path, report)).transpose()? {
+        Some(Start::Space(curve)) => solve(job, &points, Some(curve), report),
+        Some(Start::Plane(_)) if !planar => {
+            let what = "the start lies in the plane, but some points have a z that is not 0";
+            Err(Error::content(job.points, what, "give points of two columns, or a start in space"))
+        }
+        Some(Start::Plane(curve)) => solve(job, &in_plane(&points), Some(curve), report),
+        None if planar => solve(job, &in_plane(&points), None, report),
+        None => solve::<3>(job, &points, None, report),
+    }
+}
+
+/// The points, and whether they lie in the plane `z = 0`.
+fn positions(content: &Content, path: &Path) -> Result<(Vec<Vector3<f64>>, bool), Error> {
+    let cloud = match content {
+        Content::Cloud(cloud) => cloud,
+        Content::Mesh(mesh) => mesh.cloud(),
+        Content::Nurbs(_) => {
+            let what = "points are needed, but this file holds NURBS shapes";
+            return Err(Error::content(path, what, "give a cloud"));
+        }
+    };
+    let points: Vec<Vector3<f64>> = cloud.positions().iter().map(|point| point.coords).collect();
+    let planar = cloud.dimension() == 2 || points.iter().all(|p| p.z == 0.0 || !p.z.is_finite());
+    Ok((points, planar))
+}
+
+fn in_plane(points: &[Vector3<f64>]) -> Vec<SVector<f64, 2>> {
+    // A point whose height is no number is no point.
+    points.iter().map(|p| if p.z.is_finite() { p.xy() } else { SVector::repeat(f64::NAN) }).collect()
+}
+
+/// The first curve of a NURBS file.
+fn start(path: &Path, report: &mut Report) -> Result<Start, Error> {
+    let loaded = Timings::measure(&mut report.timings.read, || files::read(path, &ReadOptions::default()))?;
+    report.inputs.push(Input::new("init", path, &loaded.report));
+    let shapes = match loaded.content {
+        Content::Nurbs(model) => model.into_shapes(),
+        _ => Vec::new(),
+    };
+    let curves = shapes.into_iter().filter_map(|shape| match shape {
+        Shape::Curve2(curve) => Some(Start::Plane(curve)),
+        Shape::Curve3(curve) => Some(Start::Space(curve)),
+        Shape::Surface(_) => None,
+    });
+    curves.into_iter().next().ok_or_else(|| {
+        Error::content(path, "a curve is needed, but this file holds none", "give a NURBS curve (JSON)")
+    })
+}
+
+fn solve<const D: usize>(
+    job: &Job<'_>,
+    points: &[SVector<f64, D>],
+    start: Option<BsplineCurve<D>>,
+    report: &mut Report,
+) -> Result<bool, Error>
+where
+    BsplineCurve<D>: Into<Shape>,
+{
+    let progress = Progress::new("fitting", job.quiet);
+    let tell = |_: &StepRecord| progress.tick();
+    let found = Timings::measure(&mut report.timings.compute, || {
+        fit_curve_with_progress(points, start.as_ref(), &job.options, &tell)
+    });
+    drop(progress);
+    let found = found.map_err(|error| refused(job, &error))?;
+    warn(job, &found, report);
+    let mut seconds = 0.0;
+    Timings::measure(&mut seconds, || write(job, points, &found, report))?;
+    report.timings.write = seconds;
+    let good = found.report.is_converged() && found.report.reached != Some(false);
+    report.results = Some(Results::Curve(Box::new(found.report)));
+    Ok(good)
+}
+
+fn warn<const D: usize>(job: &Job<'_>, found: &CurveFit<D>, report: &mut Report) {
+    let fitted = &found.report;
+    if fitted.dropped > 0 {
+        report.warnings.push(format!(
+            "{}: {} of {} points have a coordinate that is NaN or infinite; they are left out",
+            job.points.display(),
+            fitted.dropped,
+            fitted.points
+        ));
+    }
+    if !fitted.crossings.is_empty() {
+        report.warnings.push(format!(
+            "the curve crosses itself {} times; take fewer control points or a larger --smoothing",
+            fitted.crossings.len()
+        ));
+    }
+}
+
+fn write<const D: usize>(
+    job: &Job<'_>,
+    points: &[SVector<f64, D>],
+    found: &CurveFit<D>,
+    report: &mut Report,
+) -> Result<(), Error>
+where
+    BsplineCurve<D>: Into<Shape>,
+{
+    if let Some(path) = job.out {
+        let written = io::write_model(path, &Model::from(found.curve.clone()), &WriteOptions::default())?;
+        let content = format!("B-spline curve with {} control points", found.report.controls);
+        report.outputs.push(Output { path: path.to_path_buf(), bytes: written.bytes, content });
+    }
+    if let Some(path) = job.feet {
+        put(path, &feet(points, &found.feet), "footpoints", report)?;
+    }
+    if let Some(path) = job.history {
+        put(path, &history(&found.report.history), "history", report)?;
+    }
+    if let Some(path) = job.evolution {
+        put(path, &evolution::drawing(points, &found.evolution, &found.curve), "drawing", report)?;
+    }
+    Ok(())
+}
+
+fn put(path: &Path, text: &str, content: &str, report: &mut Report) -> Result<(), Error> {
+    let failed = |source: std::io::Error| Error::write(path, source);
+    let mut file = AtomicFile::create(path)?;
+    file.write_all(text.as_bytes()).map_err(failed)?;
+    let bytes = file.commit()?;
+    report.outputs.push(Output { path: path.to_path_buf(), bytes, content: content.to_owned() });
+    Ok(())
+}
+
+/// One line per point; empty cells where there is no foot.
+fn feet<const D: usize>(points: &[SVector<f64, D>], feet: &[PointFoot<D>]) -> String {
+    let axes = &["x", "y", "z"][..D.min(3)];
+    let header = axes.iter().map(|a| (*a).to_owned()).chain(axes.iter().map(|a| format!("foot_{a}")));
+    let mut text = header.chain(["distance".to_owned(), "t".to_owned()]).collect::<Vec<_>>().join(",");
+    text.push('\n');
+    for (point, foot) in points.iter().zip(feet) {
+        let cells = point.iter().chain(foot.foot.iter()).chain([&foot.distance, &foot.parameter]);
+        line(&mut text, cells.copied());
+    }
+    text
+}
+
+/// One line per iteration.
+fn history(records: &[StepRecord]) -> String {
+    let mut text = String::from("iteration,controls,lambda,rms,max,cost,displacement,factor,damping\n");
+    for r in records {
+        let counts = [r.iteration as f64, r.coefficients as f64];
+        let rest = [r.lambda, r.rms, r.max, r.cost, r.displacement, r.factor, r.damping];
+        line(&mut text, counts.into_iter().chain(rest));
+    }
+    text
+}
+
+fn line(text: &mut String, values: impl Iterator<Item = f64>) {
+    for (k, value) in values.enumerate() {
+        if k > 0 {
+            text.push(',');
+        }
+        // Writing to memory cannot fail.
+        let _ = match value.abs() {
+            size if !size.is_finite() => Ok(()),
+            size if size > 0.0 && !(1e-5..1e16).contains(&size) => write!(text, "{value:e}"),
+            _ => write!(text, "{value}"),
+        };
+    }
+    text.push('\n');
+}
+
+/// The error of the library, with the file that it is about.
+fn refused(job: &Job<'_>, error: &FitError) -> Error {
+    match error {
+        FitError::Rational => Error::content(
+            job.init.unwrap_or(job.points),
+            error.to_string(),
+            "give a start without weights, or add --rational",
+        ),
+        FitError::Option { .. } => Error::usage(error.to_string(), "see `indgeo fit-curve --help`"),
+        FitError::TooFewPoints { .. } => Error::content(
+            job.points,
+            error.to_string(),
+            "give more points, fewer control points (--controls) or a lower degree",
+        ),
+        _ => Error::content(job.points, error.to_string(), "check it with `indgeo info`"),
+    }
+}
