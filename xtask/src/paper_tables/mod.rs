@@ -1,7 +1,8 @@
-//! `cargo xtask paper-tables`: Tables 1 to 6 of \[HW05\], computed and compared with what is printed.
+//! `cargo xtask paper-tables`: Tables 1 to 6 of \[HW05\] and Tables 1 and 2 of \[MPK\], computed and compared with what is printed.
 
 mod compute;
 mod digits;
+mod directed;
 mod printed;
 mod render;
 mod table_6;
@@ -26,14 +27,24 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     let registrations = table_6::compute()
         .map_err(|error| Failure::Failed(format!("a registration of Table 6 is invalid: {error}")))?;
     println!("{}", table_6::render(&registrations));
+    let comparisons = directed::compute().map_err(|error| {
+        Failure::Failed(format!("a comparison of directed projections is invalid: {error}"))
+    })?;
+    println!("{}", directed::render(&comparisons));
     let mut wrong = disagreements(&tables);
+    wrong.extend(directed::disagreements(&comparisons));
     wrong.extend(table_6::disagreements(&registrations));
     if !wrong.is_empty() {
         return Err(Failure::Failed(format!("not as printed, nor as listed:\n{}", wrong.join("\n"))));
     }
     generated::write_or_check(
         DOCUMENT,
-        &format!("{}\n{}", render::document(&tables), table_6::render(&registrations)),
+        &format!(
+            "{}\n{}\n{}",
+            render::document(&tables),
+            table_6::render(&registrations),
+            directed::render(&comparisons)
+        ),
         check,
         "paper-tables",
         generated::identical,

@@ -63,3 +63,10 @@ fn a_changed_registration_is_noticed() {
     registrations[1].rows[0].errors[4] *= 1.0 + 1e-5;
     assert_eq!(table_6::disagreements(&registrations).len(), 1);
 }
+
+#[test]
+fn directed_projections_compare_as_said() {
+    let comparisons = directed::compute().unwrap();
+    assert_eq!(directed::disagreements(&comparisons), Vec::<String>::new());
+    insta::assert_snapshot!("directed", directed::render(&comparisons));
+}

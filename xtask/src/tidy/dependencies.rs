@@ -40,6 +40,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "pc-io",
             "distance-field",
             "sdm-fit",
+            "cloud-param",
             "sdm-register",
             "industrial-geometry",
         ],
