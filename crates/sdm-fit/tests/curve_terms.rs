@@ -26,13 +26,14 @@ fn run(
     points: &[Vector2<f64>],
     term: ErrorTerm,
     control: StepControl,
+    iterations: usize,
 ) -> Fitted<ActiveCurve<2>, 2> {
     let options = FitOptions::default()
         .with_term(term)
         .with_control(control)
         .with_smoothing(Smoothing::CONTINUATION)
         .with_footpoints(FootpointPolicy::Global)
-        .with_max_iterations(60);
+        .with_max_iterations(iterations);
     let target = Target::Points { points, weights: None };
     fit(ActiveCurve::new(curve.clone()).unwrap(), target, &Constraints::none(), &options).unwrap()
 }
@@ -60,12 +61,16 @@ fn table_of_cases() {
             let (data, curve) =
                 (points::<2>(&format!("{case}.xyz")), start(&format!("{}_init_{from}.json", &case[..2])));
             writeln!(table, "\n{shown}, {from} start").unwrap();
+            // Data and even start of the rectangle are symmetric, and so is a saddle that they lead to; when it is left is a
+            // matter of rounding errors.
+            let shown = if (case, from) == ("a1_rect", "even") { &[5, 10, 20][..] } else { &[5, 10, 20, 45] };
+            let iterations = if shown.len() == 3 { 20 } else { 60 };
             for (name, term, control) in METHODS {
-                let fitted = run(&curve, &data, term, control);
+                let fitted = run(&curve, &data, term, control, iterations);
                 let cells: Vec<String> = if fitted.report.status == Status::Diverged {
                     vec!["diverged".to_owned()]
                 } else {
-                    [5, 10, 20, 45].map(|k| digits(rms_at(&fitted, k))).to_vec()
+                    shown.iter().map(|&k| digits(rms_at(&fitted, k))).collect()
                 };
                 writeln!(table, "{name:13} {}", cells.join("  ")).unwrap();
             }
@@ -77,7 +82,7 @@ fn table_of_cases() {
 #[test]
 fn squared_distances_reach_what_points_do_not() {
     let (data, curve) = (points::<2>("a1_rect.xyz"), start("a1_init_uneven.json"));
-    let [pdm, tdm, controlled, sdm] = METHODS.map(|(_, term, control)| run(&curve, &data, term, control));
+    let [pdm, tdm, controlled, sdm] = METHODS.map(|(_, term, control)| run(&curve, &data, term, control, 60));
     assert!(rms_at(&pdm, 20) >= 0.02, "{}", rms_at(&pdm, 20));
     assert!(rms_at(&sdm, 20) <= 0.001, "{}", rms_at(&sdm, 20));
     assert!(rms_at(&sdm, 45) <= 1e-6, "{}", rms_at(&sdm, 45));
