@@ -35,6 +35,7 @@ mod parallel;
 pub mod primitive;
 mod report;
 mod shape;
+mod simd;
 mod smoothing;
 mod status;
 mod surface;

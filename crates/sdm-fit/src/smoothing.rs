@@ -6,10 +6,14 @@ use crate::noise::Noise;
 use crate::options::Smoothing;
 use nalgebra::SVector;
 
-/// Factors tried: powers of ten from the first to the last, then finer around the best.
+/// Factors tried: powers of ten from the last down to the first, then finer around the best.
 const DECADES: [i32; 2] = [-14, 1];
 const BETWEEN: [f64; 6] = [-0.75, -0.5, -0.25, 0.25, 0.5, 0.75];
-const AROUND: [f64; 7] = [-1.0, -0.5, -0.25, 0.0, 0.25, 0.5, 1.0];
+/// Decades in a row without a better score after which smaller factors are not tried.
+const WORSE: usize = 4;
+/// Around a value that was found before, and beyond when the best is one of the outermost.
+const AROUND: [f64; 5] = [-0.5, -0.25, 0.0, 0.25, 0.5];
+const BEYOND: f64 = 0.5;
 /// How much a degree of freedom counts: above 1, since the score by itself is easily misled to too little smoothing.
 const CAUTION: f64 = 1.4;
 /// Where distances are this share of the radius of curvature, a shape can follow the noise in more ways than the
@@ -133,16 +137,31 @@ pub(crate) fn wanted<const D: usize>(
     let bend = layout.multiply(energy, coefficients);
     let question = Question { normal, energy, bend, fixed, count };
     let mut scores: Vec<Score> = Vec::new();
-    let mut centre = near.map(f64::log10);
-    if centre.is_none() {
-        for decade in DECADES[0]..=DECADES[1] {
-            scores.extend(question.score(layout, f64::from(decade)));
+    if let Some(near) = near {
+        let centre = near.log10();
+        for step in AROUND {
+            scores.extend(question.score(layout, centre + step));
         }
-        centre = best(&scores, slack).map(f64::log10);
+        let found = best(&scores, slack)?;
+        let off = found.log10() - centre;
+        if off.abs() > AROUND[AROUND.len() - 1] - 0.5 * BEYOND {
+            scores.extend(question.score(layout, found.log10() + BEYOND.copysign(off)));
+        }
+        return best(&scores, slack);
     }
-    let steps = if near.is_some() { &AROUND[..] } else { &BETWEEN[..] };
-    for step in steps {
-        scores.extend(question.score(layout, centre? + step));
+    let mut since_best = 0;
+    for decade in (DECADES[0]..=DECADES[1]).rev() {
+        let least = scores.iter().map(|s| s.value).fold(f64::INFINITY, f64::min);
+        let Some(score) = question.score(layout, f64::from(decade)) else { continue };
+        since_best = if score.value < least { 0 } else { since_best + 1 };
+        scores.push(score);
+        if since_best >= WORSE {
+            break;
+        }
+    }
+    let centre = best(&scores, slack)?.log10();
+    for step in BETWEEN {
+        scores.extend(question.score(layout, centre + step));
     }
     best(&scores, slack)
 }
