@@ -1,6 +1,7 @@
 //! The factor of the energy: schedules, and generalised cross validation.
 
 use crate::assemble::Normal;
+use crate::freedom::Freedom;
 use crate::layout::{Blocks, Layout};
 use crate::noise::Noise;
 use crate::options::Smoothing;
@@ -125,7 +126,7 @@ pub(crate) fn wanted<const D: usize>(
     normal: &Normal<D>,
     energy: &Blocks,
     coefficients: &[SVector<f64, D>],
-    fixed: &[bool],
+    freedom: &Freedom<D>,
     noise: &Noise,
     near: Option<f64>,
 ) -> Option<f64> {
@@ -135,7 +136,7 @@ pub(crate) fn wanted<const D: usize>(
         least: if noise.surface { ESTIMATED } else { 0.0 },
     };
     let bend = layout.multiply(energy, coefficients);
-    let question = Question { normal, energy, bend, fixed, count };
+    let question = Question { normal, energy, bend, freedom, count };
     let mut scores: Vec<Score> = Vec::new();
     if let Some(near) = near {
         let centre = near.log10();
@@ -197,7 +198,7 @@ struct Question<'a, const D: usize> {
     energy: &'a Blocks,
     /// The energy matrix times the coefficients.
     bend: Vec<SVector<f64, D>>,
-    fixed: &'a [bool],
+    freedom: &'a Freedom<D>,
     /// Number of distances.
     count: f64,
 }
@@ -205,16 +206,12 @@ struct Question<'a, const D: usize> {
 impl<const D: usize> Question<'_, D> {
     fn score(&self, layout: &mut Layout, exponent: f64) -> Option<Score> {
         let lambda = 10f64.powf(exponent);
-        let Self { normal, energy, bend, fixed, count } = self;
+        let Self { normal, energy, bend, freedom, count } = self;
         let damping = 1e-13 * layout.mean_diagonal::<D>(&normal.matrix);
-        let factor = layout.factor::<D>(&normal.matrix, (lambda, energy), damping, fixed)?;
+        let factor = layout.factor::<D>(&normal.matrix, (lambda, energy), damping, freedom)?;
         let n = normal.vector.len();
-        let is_fixed = |i: usize, c: usize| fixed.get(i * D + c).copied().unwrap_or(false);
-        let free = |v: Vec<SVector<f64, D>>| {
-            let masked = v.into_iter().enumerate();
-            masked
-                .map(|(i, v)| SVector::from_fn(|c, _| if is_fixed(i, c) { 0.0 } else { v[c] }))
-                .collect::<Vec<_>>()
+        let free = |v: Vec<SVector<f64, D>>| -> Vec<SVector<f64, D>> {
+            v.iter().enumerate().map(|(i, v)| freedom.allowed(i, v)).collect()
         };
         let rhs = free((0..n).map(|i| normal.vector[i] - bend[i] * lambda).collect());
         let step: Vec<SVector<f64, D>> = factor.solve(&rhs)?;
@@ -230,10 +227,10 @@ impl<const D: usize> Question<'_, D> {
         };
         if n * D <= EXACT {
             for i in 0..n {
-                for c in (0..D).filter(|&c| !is_fixed(i, c)) {
+                for c in 0..D {
                     let mut z = vec![SVector::zeros(); n];
                     z[i][c] = 1.0;
-                    trace += probe(&z)?;
+                    trace += probe(&free(z))?;
                 }
             }
         } else {
