@@ -81,6 +81,13 @@ const GROUPS: &[(&str, &str, &str)] = &[
         "Local iterations on any parametric shape",
         "From starts a hundredth of the domain away to full convergence (1e-12), with all safeguards.",
     ),
+    (
+        "curve-fit",
+        "Fits of curves",
+        "Per point and iteration, a projection onto the curve and its share of the normal equations, of their solution and of all \
+         preparations included: `points-controls-term`, all terms in the same loop.",
+    ),
+    ("surface-fit", "Fits of surfaces", "The same for surfaces, closed in one direction, on all threads."),
 ];
 
 /// Runs the command.
