@@ -2,7 +2,8 @@
 //! `cargo run --release -p cloud-param --example pipeline -- POINTS.xyz [N_U N_V] [SHAPE]`.
 
 use cloud_param::{
-    FitOptions, ParameteriseOptions, Shape, SurfaceDefects, finish_fit, finish_options, fit_parameters, parameterise,
+    FitOptions, ParameteriseOptions, Shape, SurfaceDefects, finish_fit, finish_options, fit_parameters,
+    parameterise,
 };
 use nalgebra::Vector3;
 use std::error::Error;

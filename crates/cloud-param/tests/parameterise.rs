@@ -5,7 +5,7 @@ mod common;
 use cloud_param::{
     Boundary, DirectedWeight, Error, FinishOutcome, FitOptions, Neighbourhood, ParameterStatus,
     ParameteriseOptions, RefineOptions, Shape, Stage, SurfaceDefects, dynamic_base_surface, finish_fit,
-    fit_parameters, parameterise, parameterise_with_progress,
+    finish_options, fit_parameters, parameterise, parameterise_with_progress,
 };
 use common::{noise, scattered, vase, vase_point};
 use footpoint::SurfaceProjector;

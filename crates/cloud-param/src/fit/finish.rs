@@ -6,7 +6,9 @@ use crate::{Error, SurfaceDefects};
 use footpoint::{ProjectionOptions, SurfaceProjector};
 use nalgebra::Vector3;
 use nurbs_core::BsplineSurface;
-use sdm_fit::{Progress, Smoothing, Status, SurfaceOptions, SurfaceReport, fit_surface_with_progress, no_progress};
+use sdm_fit::{
+    Progress, Smoothing, Status, SurfaceOptions, SurfaceReport, fit_surface_with_progress, no_progress,
+};
 
 /// Factor of the energy with which a finish begins: the surface is near the points, and more would draw it away from them.
 const SMOOTHING: f64 = 1e-6;
