@@ -34,6 +34,7 @@ mod multilevel;
 mod neighbourhood;
 pub(crate) mod parallel;
 mod parameterise;
+mod section;
 mod shape;
 mod surface;
 mod turntable;

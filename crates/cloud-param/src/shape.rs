@@ -1,7 +1,8 @@
 //! What kind of surface a cloud is.
 
+use crate::section::Section;
 use crate::{AxisEstimate, AxisFrame, Error, MultilevelOptions, Neighbourhood, Weighting, multilevel};
-use nalgebra::{Matrix3, SymmetricEigen, Vector3};
+use nalgebra::{Matrix3, SymmetricEigen, Vector2, Vector3};
 use std::f64::consts::{PI, TAU};
 
 /// The kind of base surface.
@@ -50,12 +51,17 @@ const AROUND: f64 = 0.85;
 const GAP: f64 = 0.12;
 /// Density of points on the ends of a cylinder, as a share of that on its side, above which it is closed.
 const CAPPED: f64 = 0.35;
+/// Share of the points of a thin end that may lie between its sides.
+const THIN_END: f64 = 0.1;
+/// Residual of a height field, in spacings, up to which a cloud that is nothing else counts as one.
+const NEARLY_FLAT: f64 = 3.0;
 /// Share of the directions from the middle that a sphere covers.
 const ALL_AROUND: f64 = 0.93;
 
 /// Decides what kind of surface a cloud is.
 ///
-/// It is plane-like if a height field over its principal plane meets it within the spacing of its points; cylinder-like if its
+/// It is plane-like if a height field over its principal plane meets it within the spacing of its points, or within three
+/// spacings and it is nothing else, as half a cylinder; cylinder-like if its
 /// layers close around the axis and the ends are open; sphere-like if points lie in all directions from its middle.
 ///
 /// # Errors
@@ -88,6 +94,16 @@ pub fn decide(cloud: &Neighbourhood, axis: &AxisEstimate) -> Result<ShapeDecisio
             format!(
                 "points lie in {:.0} % of all directions from the middle, and the ends of the axis are closed",
                 100.0 * sphere
+            ),
+        );
+    }
+    if flat <= NEARLY_FLAT {
+        return decision(
+            Shape::Plane,
+            format!(
+                "it is open: layers close to {:.0} % around the best axis only, with gaps of {:.0} degrees; a height field over its principal plane leaves {flat:.2} spacings",
+                100.0 * around,
+                360.0 * axis.coverage.typical_gap()
             ),
         );
     }
@@ -142,8 +158,14 @@ fn end_density(cloud: &Neighbourhood, direction: &Vector3<f64>) -> f64 {
     let (low, high) = (heights[0], heights[heights.len() - 1]);
     let density = [(low, quantile(0.1), -1.0), (quantile(0.9), high, 1.0)].map(|(from, to, _)| {
         let end: Vec<&Vector3<f64>> = local.iter().filter(|p| p.z >= from && p.z <= to).collect();
-        let middle = end.iter().fold(Vector3::zeros(), |s, p| s + **p) / end.len().max(1) as f64;
-        let mut radii: Vec<f64> = end.iter().map(|p| (p.xy() - middle.xy()).norm()).collect();
+        let across: Vec<Vector2<f64>> = end.iter().map(|p| p.xy()).collect();
+        if let Some(section) = Section::of(&across) {
+            // Thin and with nothing between its sides: open.
+            let inner = across.iter().filter(|p| section.straightened(p).norm() < 0.5).count() as f64;
+            return if inner < THIN_END * across.len() as f64 { 0.0 } else { f64::INFINITY };
+        }
+        let middle = across.iter().sum::<Vector2<f64>>() / across.len().max(1) as f64;
+        let mut radii: Vec<f64> = across.iter().map(|p| (p - middle).norm()).collect();
         radii.sort_by(f64::total_cmp);
         let radius = radii.get(radii.len() * 9 / 10).copied().unwrap_or(0.0);
         let inner = radii.iter().filter(|&&r| r < 0.5 * radius).count() as f64;

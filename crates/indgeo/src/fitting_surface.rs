@@ -4,13 +4,14 @@ use crate::error::Error;
 use crate::files;
 use crate::progress::Progress;
 use crate::report::{Input, Output, Report, Results, Timings};
+use crate::surface_start::{Start, from_cloud};
 use industrial_geometry::fit::{
-    Error as FitError, Status, StepRecord, SurfaceFit, SurfaceOptions, fit_cloud_with_progress,
-    fit_surface_with_progress,
+    Error as FitError, Status, StepRecord, SurfaceOptions, SurfaceReport, fit_surface_with_progress,
 };
 use industrial_geometry::io::{self, Content, Model, ReadOptions, Shape, WriteOptions};
 use industrial_geometry::nurbs::BsplineSurface;
 use industrial_geometry::nurbs::nalgebra::Vector3;
+use serde::Serialize;
 use std::path::Path;
 
 /// What is to be done.
@@ -26,6 +27,16 @@ pub(crate) struct Job<'a> {
     pub(crate) options: SurfaceOptions,
     /// Whether nobody wants to watch.
     pub(crate) quiet: bool,
+}
+
+/// What a fit of a surface found.
+#[derive(Debug, Serialize)]
+pub(crate) struct SurfaceResults {
+    /// What the library reports.
+    #[serde(flatten)]
+    pub(crate) fitted: SurfaceReport,
+    /// Where it began, if no surface was given.
+    pub(crate) start: Option<Start>,
 }
 
 /// Does the job and fills in the report; returns whether the surface is what was asked for.
@@ -45,18 +56,22 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
     };
     let progress = Progress::new("fitting", job.quiet);
     let tell = |_: &StepRecord| progress.tick();
+    let mut from = None;
     let found = Timings::measure(&mut timings.compute, || match start {
         Some(start) => {
             let finite: Vec<_> = points.iter().filter(|p| p.iter().all(|c| c.is_finite())).copied().collect();
             fit_surface_with_progress(&finite, start, &job.options, &tell).map(|mut found| {
                 found.report.dropped = points.len() - finite.len();
-                found
+                (found.surface, found.report)
             })
         }
-        None => fit_cloud_with_progress(&points, &job.options, &tell),
+        None => from_cloud(&points, &job.options, &tell).map(|(surface, fitted, start)| {
+            from = Some(start);
+            (surface, fitted)
+        }),
     });
     drop(progress);
-    let SurfaceFit { surface, report: fitted, .. } = found.map_err(|error| refused(job, &error))?;
+    let (surface, fitted) = found.map_err(|error| refused(job, &error))?;
     if fitted.dropped > 0 {
         report.warnings.push(format!(
             "{}: {} of {} points have a coordinate that is NaN or infinite; they are left out",
@@ -64,6 +79,9 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
             fitted.dropped,
             points.len()
         ));
+    }
+    if let Some(start) = &from {
+        start.warn(job.points, report);
     }
     if fitted.folds.count() > 0 {
         report.warnings.push(format!(
@@ -82,7 +100,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
     report.timings = timings;
     let failed = matches!(fitted.fit.status, Status::Diverged | Status::Singular);
     let good = fitted.within_tolerance && !failed;
-    report.results = Some(Results::Surface(Box::new(fitted)));
+    report.results = Some(Results::Surface(Box::new(SurfaceResults { fitted, start: from })));
     Ok(good)
 }
 

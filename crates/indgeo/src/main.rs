@@ -28,6 +28,7 @@ mod selftest;
 mod session;
 mod staging;
 mod summary;
+mod surface_start;
 mod target;
 mod threads;
 mod transform;

@@ -1,10 +1,10 @@
 //! The machine-readable report of a command (`--json`).
 
+use crate::fitting_surface::SurfaceResults;
 use crate::parameterizing::ParameterResults;
 use crate::registration_report::RegistrationResults;
 use crate::selftest::Check;
 use crate::views_report::ViewsResults;
-use industrial_geometry::fit::SurfaceReport;
 use industrial_geometry::fit::curve::CurveReport;
 use industrial_geometry::inspection::{Inspection, Statistics};
 use industrial_geometry::io::ReadReport;
@@ -173,7 +173,7 @@ pub(crate) enum Results {
     /// Of a parameterisation.
     Parameters(Box<ParameterResults>),
     /// Of a fit of a surface.
-    Surface(Box<SurfaceReport>),
+    Surface(Box<SurfaceResults>),
     /// Of `selftest`.
     Checks(Vec<Check>),
     /// Of `info`.

@@ -1,10 +1,10 @@
 //! What a projection or an inspection says to a person.
 
+use crate::fitting_surface::SurfaceResults;
 use crate::parameterizing::ParameterResults;
 use crate::registration_report::RegistrationResults;
 use crate::report::{ProjectionResults, Report, Results};
 use crate::views_report::ViewsResults;
-use industrial_geometry::fit::SurfaceReport;
 use industrial_geometry::fit::curve::CurveReport;
 use industrial_geometry::inspection::{Inspection, Tolerance};
 use std::fmt::Write;
@@ -254,7 +254,8 @@ fn write_parameters(text: &mut String, report: &Report, results: &ParameterResul
     write_end(text, report)
 }
 
-fn write_surface(text: &mut String, report: &Report, found: &SurfaceReport) -> std::fmt::Result {
+fn write_surface(text: &mut String, report: &Report, results: &SurfaceResults) -> std::fmt::Result {
+    let found = &results.fitted;
     let fit = &found.fit;
     writeln!(
         text,
@@ -266,7 +267,20 @@ fn write_surface(text: &mut String, report: &Report, found: &SurfaceReport) -> s
         found.runs - 1
     )?;
     let start = found.base.map_or("the surface given", |base| base.name());
-    writeln!(text, "  start     {start}")?;
+    match &results.start {
+        Some(from) => writeln!(text, "  start     {start}: {}", from.why)?,
+        None => writeln!(text, "  start     {start}")?,
+    }
+    if let Some((base, least_squares)) =
+        results.start.as_ref().and_then(|from| from.base_rms.zip(from.least_squares_rms))
+    {
+        writeln!(
+            text,
+            "            rms {} from the base surface, {} from the least squares surface",
+            plain(base),
+            plain(least_squares)
+        )?;
+    }
     writeln!(text, "  distance  rms {}  max {}", plain(fit.rms), plain(fit.max))?;
     if let Some(share) = found.share_within {
         let verdict = if found.within_tolerance { "reached" } else { "NOT reached" };

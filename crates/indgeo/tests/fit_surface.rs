@@ -44,6 +44,28 @@ fn a_tube_is_fitted_to_a_tolerance() {
 }
 
 #[test]
+fn the_kind_of_surface_is_decided_with_a_reason() {
+    let bench = Bench::new();
+    bench.put("tube.xyz", tube(1500));
+    let half: String = tube(3000).lines().filter(|l| !l.contains(" -")).map(|l| format!("{l}\n")).collect();
+    bench.put("half.xyz", half);
+    for (command, base, why) in [
+        ("fit-surface tube.xyz --controls 10x8 --json -", "cylinder", "layers close around an axis"),
+        ("fit-surface tube.xyz --controls 10x8 --shape cylinder --json -", "cylinder", "asked for"),
+        ("fit-surface half.xyz --controls 8x8 --json -", "plane", "height field"),
+    ] {
+        let run = bench.run(command);
+        assert_eq!(run.code, 0, "{command}: {}{}", run.stdout, run.stderr);
+        let results = &run.report()["results"];
+        assert_eq!(results["base"], base, "{results}");
+        let start = &results["start"];
+        assert!(start["why"].as_str().unwrap().contains(why), "{start}");
+        let [least_squares, rms] = [&start["least_squares_rms"], &results["fit"]["rms"]];
+        assert!(rms.as_f64().unwrap() <= least_squares.as_f64().unwrap(), "{results}");
+    }
+}
+
+#[test]
 fn a_tolerance_out_of_reach_is_said() {
     let bench = Bench::new();
     bench.put("tube.xyz", tube(600));

@@ -11,6 +11,7 @@ pub use project::{CurveOptions, CurveReport, CurveStep, project_curves};
 pub use view_fields::ViewField;
 
 use crate::defects::self_loops;
+use crate::section::from_middle;
 use crate::{AxisFrame, Error, Neighbourhood, Sharpness, Turntable, parallel};
 use nalgebra::{Vector2, Vector3};
 use std::f64::consts::TAU;
@@ -212,16 +213,15 @@ fn closed_range(local: &[Vector3<f64>], [low, high]: [f64; 2], spacing: f64) -> 
     let bins = (per_slab / 5.0).clamp(6.0, 24.0) as usize;
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
     let slot = |value: f64, count: usize| ((value * count as f64).max(0.0) as usize).min(count - 1);
-    let mut boxes = vec![(Vector2::repeat(f64::INFINITY), Vector2::repeat(f64::NEG_INFINITY)); count];
+    let mut sections: Vec<Vec<Vector2<f64>>> = vec![Vec::new(); count];
     for p in local {
-        let bounds = &mut boxes[slot((p.z - low) / length, count)];
-        *bounds = (bounds.0.inf(&p.xy()), bounds.1.sup(&p.xy()));
+        sections[slot((p.z - low) / length, count)].push(p.xy());
     }
     let mut occupied = vec![false; count * bins];
-    for p in local {
-        let row = slot((p.z - low) / length, count);
-        let away = p.xy() - (boxes[row].0 + boxes[row].1) / 2.0;
-        occupied[row * bins + slot(away.y.atan2(away.x) / TAU + 0.5, bins)] = true;
+    for (row, section) in sections.iter().enumerate() {
+        for away in from_middle(section).0 {
+            occupied[row * bins + slot(away.y.atan2(away.x) / TAU + 0.5, bins)] = true;
+        }
     }
     let full = |row: &usize| {
         occupied[row * bins..(row + 1) * bins].iter().filter(|&&o| o).count() as f64 >= CLOSED * bins as f64

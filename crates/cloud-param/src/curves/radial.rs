@@ -1,5 +1,6 @@
 //! The polygon of a layer out of the distances from its middle.
 
+use crate::section::Section;
 use nalgebra::Vector2;
 use std::f64::consts::TAU;
 
@@ -8,11 +9,15 @@ const PER_DIRECTION: f64 = 5.0;
 /// Share of the directions that may be empty.
 const MOST_EMPTY: f64 = 0.35;
 
-/// The medians of the distances from the middle of the points' box, by direction; gaps are bridged linearly.
+/// The medians of the distances from the middle of the points' box, by direction; gaps are bridged linearly. Thin sections are
+/// straightened for that.
 pub(super) fn polygon(slice: &[Vector2<f64>], spacing: f64) -> Option<Vec<Vector2<f64>>> {
+    let section = Section::of(slice);
     let first = slice.first()?;
     let (low, high) = slice.iter().fold((*first, *first), |(l, h), p| (l.inf(p), h.sup(p)));
     let middle = (low + high) / 2.0;
+    let straight = |p: &Vector2<f64>| section.as_ref().map_or(p - middle, |s| s.straightened(p));
+    let bent = |q: Vector2<f64>| section.as_ref().map_or(middle + q, |s| s.bent(&q));
     let around = TAU * 0.5 * (high - low).mean();
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
     let bins = (slice.len() as f64 / PER_DIRECTION)
@@ -20,7 +25,7 @@ pub(super) fn polygon(slice: &[Vector2<f64>], spacing: f64) -> Option<Vec<Vector
         .clamp(8.0, 180.0) as usize;
     let mut distances = vec![Vec::new(); bins];
     for p in slice {
-        let away = p - middle;
+        let away = straight(p);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
         let bin = ((away.y.atan2(away.x).rem_euclid(TAU) / TAU * bins as f64) as usize).min(bins - 1);
         distances[bin].push(away.norm());
@@ -45,7 +50,7 @@ pub(super) fn polygon(slice: &[Vector2<f64>], spacing: f64) -> Option<Vec<Vector
     };
     let polygon = (0..bins).map(|i| {
         let (sin, cos) = (TAU * (i as f64 + 0.5) / bins as f64).sin_cos();
-        middle + Vector2::new(cos, sin) * at(i)
+        bent(Vector2::new(cos, sin) * at(i))
     });
     Some(polygon.collect())
 }

@@ -1,6 +1,7 @@
 //! How far the layers of a cloud close around an axis.
 
 use crate::AxisFrame;
+use crate::section::from_middle;
 use nalgebra::{Vector2, Vector3};
 use std::f64::consts::{PI, TAU};
 
@@ -20,7 +21,8 @@ pub struct Coverage {
 }
 
 impl Coverage {
-    /// Counts the cells of layers and directions that points fall into; directions are taken from the middle of each layer.
+    /// Counts the cells of layers and directions that points fall into; directions are taken from the middle of each
+    /// layer, which is straightened along its mean line first if it is long, thin and closed, as the section of a blade.
     #[must_use]
     pub fn new(points: &[Vector3<f64>], frame: &AxisFrame) -> Self {
         let local: Vec<Vector3<f64>> = points.iter().map(|p| frame.to_local(p)).collect();
@@ -34,19 +36,18 @@ impl Coverage {
         let layer = |p: &Vector3<f64>| {
             (((p.z - low) / (high - low) * layers as f64).max(0.0) as usize).min(layers - 1)
         };
-        let mut boxes = vec![(Vector2::repeat(f64::INFINITY), Vector2::repeat(f64::NEG_INFINITY)); layers];
+        let mut sections: Vec<Vec<Vector2<f64>>> = vec![Vec::new(); layers];
         for p in &local {
-            let bounds = &mut boxes[layer(p)];
-            *bounds = (bounds.0.inf(&p.xy()), bounds.1.sup(&p.xy()));
+            sections[layer(p)].push(p.xy());
         }
         let mut occupied = vec![false; layers * directions];
-        for p in &local {
-            let row = layer(p);
-            let away = p.xy() - (boxes[row].0 + boxes[row].1) / 2.0;
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
-            let column =
-                (((away.y.atan2(away.x) + PI) / TAU * directions as f64) as usize).min(directions - 1);
-            occupied[row * directions + column] = true;
+        for (row, section) in sections.iter().enumerate() {
+            for away in from_middle(section).0 {
+                #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
+                let column =
+                    (((away.y.atan2(away.x) + PI) / TAU * directions as f64) as usize).min(directions - 1);
+                occupied[row * directions + column] = true;
+            }
         }
         let share = |row: &[bool]| row.iter().filter(|&&o| o).count() as f64 / directions as f64;
         let gap = |row: &[bool]| {

@@ -38,9 +38,9 @@ pub(crate) struct Args {
     /// Degrees in u and v
     #[arg(long, value_name = "PxQ", default_value = "3x3", value_parser = parse_pair, conflicts_with = "init")]
     degrees: [usize; 2],
-    /// In which directions the surface is closed
-    #[arg(long, value_enum, default_value_t = Closed::Auto, conflicts_with = "init")]
-    closed: Closed,
+    /// What kind of surface the points are on, and so in which directions it is closed
+    #[arg(long, value_enum, default_value_t = ShapeChoice::Auto, conflicts_with = "init")]
+    shape: ShapeChoice,
     /// Start from the surface in FILE (NURBS JSON); its knots and closed directions stay
     #[arg(long, value_name = "S.json")]
     init: Option<PathBuf>,
@@ -62,17 +62,17 @@ pub(crate) struct Args {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Closed {
-    /// As the points show
+enum ShapeChoice {
+    /// Decided by the points; the report says why
     Auto,
-    /// Open: a patch
-    None,
-    /// Closed in u: a tube
-    U,
-    /// Closed in u, with a pole at each end of v: a ball
-    Poles,
-    /// Closed in u and v: a ring
-    Uv,
+    /// A height field: open
+    Plane,
+    /// Closed around an axis (u), open at both ends
+    Cylinder,
+    /// Closed all around: in u, with a pole at each end of v
+    Sphere,
+    /// A ring: closed in u and v
+    Torus,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -95,7 +95,8 @@ enum OutlierChoice {
 
 const AFTER_HELP: &str = "\
 The report (--json) holds in `results`: `fit` (status, rms, max, lambda, history of all iterations), `base` (plane, cylinder,
-sphere or torus: what the first parameters were taken from), `controls`, `share_within`, `within_tolerance`, `folds` (cells
+sphere or torus: what the first parameters were taken from), `start` (why, and how near the base surface and the least squares
+surface were, before the distances were minimised), `controls`, `share_within`, `within_tolerance`, `folds` (cells
 in which the surface folds back on itself), `dropped` (points that are not finite).
 
 Exit status 0: done, and the tolerance, if there is one, holds; 1: the tolerance does not hold, or the iteration failed (the
@@ -103,7 +104,7 @@ surface is written nevertheless); 2: bad input or usage.
 
 Examples:
   indgeo fit-surface scan.ply -o surface.json --tolerance 0.05
-  indgeo fit-surface tube.xyz -o tube.json --controls 30x30 --closed u
+  indgeo fit-surface tube.xyz -o tube.json --controls 30x30 --shape cylinder
   indgeo fit-surface scan.ply -o better.json --init rough.json --outliers automatic
   indgeo inspect surface.json scan.ply --tolerance 0.05 --report report.html";
 
@@ -127,12 +128,12 @@ impl Args {
     }
 
     fn options(&self) -> SurfaceOptions {
-        let base = match self.closed {
-            Closed::Auto => BaseShape::Auto,
-            Closed::None => BaseShape::Plane,
-            Closed::U => BaseShape::Cylinder,
-            Closed::Poles => BaseShape::Sphere,
-            Closed::Uv => BaseShape::Torus,
+        let base = match self.shape {
+            ShapeChoice::Auto => BaseShape::Auto,
+            ShapeChoice::Plane => BaseShape::Plane,
+            ShapeChoice::Cylinder => BaseShape::Cylinder,
+            ShapeChoice::Sphere => BaseShape::Sphere,
+            ShapeChoice::Torus => BaseShape::Torus,
         };
         let term = match self.method {
             MethodChoice::SquaredDistance => ErrorTerm::SquaredDistance,

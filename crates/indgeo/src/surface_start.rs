@@ -1,0 +1,146 @@
+//! Surfaces from clouds of which nothing is known: base surface, parameters, least squares, squared distances.
+
+use crate::report::Report;
+use industrial_geometry::cloud_param::{
+    Error as ParameterError, FinishOutcome, FitOptions, ParameteriseOptions, ParameteriseReport, Shape,
+    SurfaceDefects, finish_fit_with_progress, finish_options, fit_parameters, parameterise,
+};
+use industrial_geometry::fit::{
+    BaseShape, Error, Folds, Progress, Smoothing, SurfaceOptions, SurfaceReport, fit_cloud_with_progress,
+    fit_surface_with_progress,
+};
+use industrial_geometry::nurbs::BsplineSurface;
+use industrial_geometry::nurbs::nalgebra::Vector3;
+use serde::Serialize;
+use std::path::Path;
+
+/// A fitted surface, how it went, and where it began.
+pub(crate) type Found = (BsplineSurface, SurfaceReport, Start);
+
+/// Where a fit began.
+#[derive(Debug, Serialize)]
+pub(crate) struct Start {
+    /// Why this kind of surface; or why there was no base surface, and a simple shape gave the parameters.
+    pub(crate) why: String,
+    /// Root mean square distance from the base surface, if there was one.
+    pub(crate) base_rms: Option<f64>,
+    /// Root mean square distance from the least squares surface, if there was one.
+    pub(crate) least_squares_rms: Option<f64>,
+    /// What became of it.
+    pub(crate) outcome: Option<FinishOutcome>,
+    /// Points that do not count: apart from the others.
+    pub(crate) strays: usize,
+    /// Points that do not count: beyond the ends of the base surface.
+    pub(crate) beyond_ends: usize,
+}
+
+impl Start {
+    fn simple(why: String) -> Self {
+        Self { why, base_rms: None, least_squares_rms: None, outcome: None, strays: 0, beyond_ends: 0 }
+    }
+
+    fn base(found: &ParameteriseReport) -> Self {
+        Self {
+            why: found.shape.why.clone(),
+            base_rms: Some(found.rms),
+            least_squares_rms: None,
+            outcome: None,
+            strays: found.strays,
+            beyond_ends: found.beyond_ends,
+        }
+    }
+
+    /// Says which points do not count, and what was kept.
+    pub(crate) fn warn(&self, path: &Path, report: &mut Report) {
+        let name = path.display();
+        for (count, what) in [
+            (self.strays, "lie apart from the others"),
+            (self.beyond_ends, "lie beyond the ends of the base surface"),
+        ] {
+            if count > 0 {
+                report.warnings.push(format!("{name}: {count} points {what}; they do not count"));
+            }
+        }
+        if matches!(self.outcome, Some(FinishOutcome::KeptSinceFolded | FinishOutcome::KeptSinceNoNearer)) {
+            report.warnings.push(
+                "minimising the distances made the least squares surface fold, or no better; it was kept as it is"
+                    .to_owned(),
+            );
+        }
+    }
+}
+
+/// Fits a surface: over a base surface that follows the points where there is one, otherwise over a simple shape.
+pub(crate) fn from_cloud(
+    points: &[Vector3<f64>],
+    options: &SurfaceOptions,
+    progress: Progress<'_>,
+) -> Result<Found, Error> {
+    let shape = match options.base {
+        BaseShape::Auto => Shape::Auto,
+        BaseShape::Plane => Shape::Plane,
+        BaseShape::Cylinder => Shape::Cylinder,
+        BaseShape::Sphere => Shape::Sphere,
+        BaseShape::Torus => {
+            let found = fit_cloud_with_progress(points, options, progress)?;
+            return Ok((found.surface, found.report, Start::simple("it was asked for".to_owned())));
+        }
+    };
+    match over_base_surface(points, shape, options, progress) {
+        Ok(found) => Ok(found),
+        Err(ParameterError::Fit(error)) => Err(error),
+        // Too few points, or nothing that closes: the simple shapes ask for less.
+        Err(error) => {
+            let found = fit_cloud_with_progress(points, options, progress)?;
+            let why = format!("a simple shape gave the first parameters: {error}");
+            Ok((found.surface, found.report, Start::simple(why)))
+        }
+    }
+}
+
+fn over_base_surface(
+    points: &[Vector3<f64>],
+    shape: Shape,
+    options: &SurfaceOptions,
+    progress: Progress<'_>,
+) -> Result<Found, ParameterError> {
+    let found = parameterise(points, &ParameteriseOptions::default().with_shape(shape))?;
+    let mut start = Start::base(&found.report);
+    let fit = FitOptions {
+        control_points: options.size.controls,
+        degrees: options.size.degrees,
+        ..FitOptions::default()
+    };
+    let least_squares = fit_parameters(points, &found.base, &found.feet, &found.counts, &fit)?;
+    start.least_squares_rms = Some(least_squares.rms);
+    let near = options.with_fit(match options.fit.smoothing {
+        Smoothing::Automatic { .. } => options.fit.with_smoothing(finish_options().fit.smoothing),
+        _ => options.fit,
+    });
+    let base = match found.report.shape.shape {
+        Shape::Plane => BaseShape::Plane,
+        Shape::Sphere => BaseShape::Sphere,
+        _ => BaseShape::Cylinder,
+    };
+    let (surface, mut report) = if options.abs_tolerance.is_some() {
+        let used = points.iter().zip(&found.counts).filter(|(_, counts)| **counts);
+        let data: Vec<Vector3<f64>> = used.map(|(p, _)| *p).collect();
+        let fitted = fit_surface_with_progress(&data, least_squares.surface, &near, progress)?;
+        (fitted.surface, fitted.report)
+    } else {
+        let (done, finish) = finish_fit_with_progress(points, &found.counts, least_squares, &near, progress)?;
+        start.outcome = Some(finish.outcome);
+        let mut report = finish.minimisation;
+        // Of the surface that is left, which need not be the last of the minimisation.
+        (report.fit.rms, report.fit.max) = (done.rms, done.max);
+        (done.surface, report)
+    };
+    report.folds = Folds::of(&surface);
+    if SurfaceDefects::of(&surface, None).is_none() {
+        // What is left are ridges.
+        report.folds.folded.clear();
+    }
+    report.base = Some(base);
+    report.dropped = found.report.dropped;
+    Ok((surface, report, start))
+}
