@@ -6,6 +6,7 @@ mod bench;
 mod convergence;
 mod examples;
 mod generated;
+mod paper_figures;
 mod paper_tables;
 mod tidy;
 mod workspace;
@@ -40,6 +41,12 @@ const COMMANDS: &[Command] = &[
         arguments: "[--check]",
         about: "compute the tables of the papers, compare with the printed numbers, write docs/paper-tables.md",
         run: paper_tables::run,
+    },
+    Command {
+        name: "paper-figures",
+        arguments: "",
+        about: "draw the figures of the parameterisation paper from clouds of our own into docs/figures",
+        run: paper_figures::run,
     },
     Command {
         name: "convergence",

@@ -57,14 +57,19 @@ pub(crate) struct Row {
     pub(crate) surface: Vec<f64>,
 }
 
+/// The scan of a stud bolt.
+pub(crate) fn bolt() -> Result<Vec<Vector3<f64>>, Box<dyn Error>> {
+    let path = crate::workspace::root().join("fixtures/scans/stud-bolt.ply");
+    match pc_io::read(&path, &pc_io::ReadOptions::default())?.content {
+        pc_io::Content::Mesh(mesh) => Ok(mesh.vertices().iter().map(|p| p.coords).collect()),
+        pc_io::Content::Cloud(cloud) => Ok(cloud.positions().iter().map(|p| p.coords).collect()),
+        pc_io::Content::Nurbs(_) => Err("the scan holds no points".into()),
+    }
+}
+
 /// Both clouds from both starts.
 pub(crate) fn compute() -> Result<Vec<Comparison>, Box<dyn Error>> {
-    let bolt = crate::workspace::root().join("fixtures/scans/stud-bolt.ply");
-    let bolt: Vec<Vector3<f64>> = match pc_io::read(&bolt, &pc_io::ReadOptions::default())?.content {
-        pc_io::Content::Mesh(mesh) => mesh.vertices().iter().map(|p| p.coords).collect(),
-        pc_io::Content::Cloud(cloud) => cloud.positions().iter().map(|p| p.coords).collect(),
-        pc_io::Content::Nurbs(_) => return Err("the scan holds no points".into()),
-    };
+    let bolt = bolt()?;
     let mut found = Vec::new();
     for (name, points) in
         [("stud bolt, 8,565 points of a scan", bolt), ("lobed vase, 16,000 points with noise", vase())]
@@ -146,7 +151,7 @@ fn surface_rms(
 }
 
 /// A vase with five lobes, evenly scattered points, noise of 0.15.
-fn vase() -> Vec<Vector3<f64>> {
+pub(crate) fn vase() -> Vec<Vector3<f64>> {
     let mut state = 1u64;
     let mut random = || {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);

@@ -2,7 +2,7 @@
 
 mod compute;
 mod digits;
-mod directed;
+pub(crate) mod directed;
 mod printed;
 mod render;
 mod table_6;

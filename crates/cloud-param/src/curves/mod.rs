@@ -25,6 +25,8 @@ pub(crate) const MOST_SAMPLES: usize = 200;
 const CLOSED: f64 = 0.9;
 /// Share of the layers that may fail.
 const MOST_FAILED: f64 = 0.34;
+/// Points that tell the kind of section.
+const SECTION: usize = 300;
 /// Points of a layer by which a curve is judged.
 const JUDGED: usize = 400;
 
@@ -133,7 +135,8 @@ pub fn base_curves(
     let made = parallel::tasks(layers, |j| {
         let height = heights[0] + step * j as f64;
         let place = |p: &Vector2<f64>| cloud.distance(&table.frame.to_world(&Vector3::new(p.x, p.y, height)));
-        layer(height, &fields, &slices[j], &place, cloud.pitch(), most)
+        let around = around(&slices, j);
+        layer(height, &fields, [&slices[j], &around], &place, cloud.pitch(), most)
     });
     let curves: Vec<LayerCurve> = made.into_iter().flatten().collect();
     if (curves.len() as f64) < (1.0 - MOST_FAILED) * layers as f64 || curves.len() < 4 {
@@ -148,11 +151,25 @@ pub fn base_curves(
     Ok(BaseCurves { curves, views: views.len(), seen, layers, heights })
 }
 
+/// The points of a layer and of as many of its neighbours as it takes to tell the kind of section.
+fn around(slices: &[Vec<Vector2<f64>>], j: usize) -> Vec<Vector2<f64>> {
+    let mut found = slices[j].clone();
+    for away in 1..=slices.len() / 10 {
+        if found.len() >= SECTION {
+            break;
+        }
+        for k in [j.checked_sub(away), Some(j + away).filter(|&k| k < slices.len())].into_iter().flatten() {
+            found.extend_from_slice(&slices[k]);
+        }
+    }
+    found
+}
+
 /// The curve of one layer.
 fn layer(
     height: f64,
     fields: &[ViewField],
-    slice: &[Vector2<f64>],
+    [slice, around]: [&[Vector2<f64>]; 2],
     distance: &(dyn Fn(&Vector2<f64>) -> f64 + Sync),
     spacing: f64,
     most: usize,
@@ -162,7 +179,7 @@ fn layer(
         (self_loops(&curve.polygon(4)) == 0).then_some(curve)
     };
     let views = assemble::polygon(height, fields, distance, spacing).and_then(curve);
-    let radial = radial::polygon(slice, SAMPLE_SPACING * spacing).and_then(curve);
+    let radial = radial::polygon(slice, around, SAMPLE_SPACING * spacing).and_then(curve);
     let judge = |curve: &ClosedCurve| {
         let polygon = curve.polygon(2);
         let step = slice.len().div_ceil(JUDGED).max(1);

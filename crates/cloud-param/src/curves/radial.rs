@@ -10,18 +10,22 @@ const PER_DIRECTION: f64 = 5.0;
 const MOST_EMPTY: f64 = 0.35;
 
 /// The medians of the distances from the middle of the points' box, by direction; gaps are bridged linearly. Thin sections are
-/// straightened for that.
-pub(super) fn polygon(slice: &[Vector2<f64>], spacing: f64) -> Option<Vec<Vector2<f64>>> {
-    let section = Section::of(slice);
+/// straightened for that, by the mean line of all points `around` the layer.
+pub(super) fn polygon(
+    slice: &[Vector2<f64>],
+    around: &[Vector2<f64>],
+    spacing: f64,
+) -> Option<Vec<Vector2<f64>>> {
+    let section = Section::of(around);
     let first = slice.first()?;
     let (low, high) = slice.iter().fold((*first, *first), |(l, h), p| (l.inf(p), h.sup(p)));
     let middle = (low + high) / 2.0;
     let straight = |p: &Vector2<f64>| section.as_ref().map_or(p - middle, |s| s.straightened(p));
     let bent = |q: Vector2<f64>| section.as_ref().map_or(middle + q, |s| s.bent(&q));
-    let around = TAU * 0.5 * (high - low).mean();
+    let length = TAU * 0.5 * (high - low).mean();
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
     let bins = (slice.len() as f64 / PER_DIRECTION)
-        .min(around / spacing.max(f64::MIN_POSITIVE))
+        .min(length / spacing.max(f64::MIN_POSITIVE))
         .clamp(8.0, 180.0) as usize;
     let mut distances = vec![Vec::new(); bins];
     for p in slice {

@@ -1,0 +1,39 @@
+//! `cargo xtask paper-figures`: the figures of \[MPK\], of clouds of our own, as drawings in `docs/figures`.
+
+mod drawing;
+mod surfaces;
+mod turntable;
+mod weights;
+
+use crate::paper_tables::directed::{bolt, vase};
+use crate::{Failure, workspace};
+
+/// Where the drawings go, from the workspace root.
+const FOLDER: &str = "docs/figures";
+
+/// Runs the command.
+pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
+    if let Some(argument) = arguments.first() {
+        return Err(Failure::Usage(format!("`{argument}` is not understood")));
+    }
+    let failed = |error: Box<dyn std::error::Error>| Failure::Failed(error.to_string());
+    let (vase, bolt) = (vase(), bolt().map_err(failed)?);
+    let drawings = [
+        ("views.svg", turntable::views(&vase).map_err(failed)?),
+        ("layers.svg", turntable::layers(&vase).map_err(failed)?),
+        (
+            "vase.svg",
+            surfaces::steps("Lobed vase, 16,000 points with noise", &vase, [30, 30]).map_err(failed)?,
+        ),
+        ("bolt.svg", surfaces::steps("Stud bolt, scan of 8,565 points", &bolt, [30, 60]).map_err(failed)?),
+        ("weights.svg", weights::one_projection(&vase).map_err(failed)?),
+    ];
+    let folder = workspace::root().join(FOLDER);
+    std::fs::create_dir_all(&folder).map_err(|e| Failure::Failed(format!("{FOLDER}: {e}")))?;
+    for (name, text) in drawings {
+        std::fs::write(folder.join(name), &text)
+            .map_err(|e| Failure::Failed(format!("{FOLDER}/{name}: {e}")))?;
+        println!("{FOLDER}/{name}: {} kB", text.len() / 1000);
+    }
+    Ok(())
+}
