@@ -6,12 +6,17 @@
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector2, Vector3};
 
-/// Coefficients of a cubic in two variables: `1, u, v, u², uv, v², u³, u²v, uv², v³`.
-const TERMS: usize = 10;
+/// Coefficients of a polynomial of degree four in two variables:
+/// `1, u, v, u², uv, v², u³, u²v, uv², v³, u⁴, u³v, u²v², uv³, v⁴`.
+const TERMS: usize = 15;
 
-/// Points for a cubic, and for a quadratic polynomial; with fewer a plane is fitted.
-const CUBIC: usize = 15;
-const QUADRATIC: usize = 9;
+/// Coefficients of a polynomial, and the points that it takes; with fewer points a plane is fitted.
+const QUARTIC: [usize; 2] = [15, 22];
+const CUBIC: [usize; 2] = [10, 15];
+const QUADRATIC: [usize; 2] = [6, 9];
+
+/// Share of the variance of the cubic's residuals below which degree four is no fit of the noise.
+const BETTER: f64 = 0.4;
 
 /// Relative to the radius of the neighbourhood: how far its mean may be from its centre inside a surface, how far from the
 /// centre the polynomial is trusted, and the residual that no smooth surface has.
@@ -63,28 +68,9 @@ impl LocalSurface {
         let [first, second] = [0, 1].map(|i| eigen.eigenvectors.column(order[i]).into_owned());
         let axes = Matrix3::from_columns(&[first, second, first.cross(&second)]);
 
-        let terms = if count >= CUBIC {
-            TERMS
-        } else if count >= QUADRATIC {
-            6
-        } else {
-            3
-        };
         let locals: Vec<Vector3<f64>> =
             neighbours.iter().map(|x| axes.tr_mul(&(x - centre)) / radius).collect();
-        let (mut matrix, mut rhs) = (SMatrix::<f64, TERMS, TERMS>::zeros(), SVector::<f64, TERMS>::zeros());
-        for local in &locals {
-            let mut basis = powers(local.x, local.y);
-            basis.fixed_rows_mut::<TERMS>(0).iter_mut().skip(terms).for_each(|value| *value = 0.0);
-            matrix.ger(1.0, &basis, &basis, 1.0);
-            rhs.axpy(local.z, &basis, 1.0);
-        }
-        for i in 0..TERMS {
-            matrix[(i, i)] += if i < terms { 1e-11 * count as f64 } else { 1.0 };
-        }
-        let coefficients = matrix.cholesky()?.solve(&rhs);
-        let residual =
-            locals.iter().map(|x| (x.z - coefficients.dot(&powers(x.x, x.y))).powi(2)).sum::<f64>();
+        let (coefficients, residual) = fit_heights(&locals)?;
         let middle = locals.iter().map(|x| x.xy()).sum::<Vector2<f64>>() / count as f64;
         let border = middle.norm() > LOPSIDED || (residual / count as f64).sqrt() > ROUGH;
         coefficients.iter().all(|c| c.is_finite()).then_some(Self {
@@ -125,7 +111,7 @@ impl LocalSurface {
                 -self.axes.column(1).into_owned(),
                 -self.axes.column(2).into_owned(),
             ]);
-            let signs = [-1.0, -1.0, 1.0, -1.0, 1.0, -1.0, -1.0, 1.0, -1.0, 1.0];
+            let signs = [-1.0, -1.0, 1.0, -1.0, 1.0, -1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0];
             self.coefficients.component_mul_assign(&SVector::from(signs));
         }
         self
@@ -133,15 +119,76 @@ impl LocalSurface {
 
     fn slopes(&self, u: f64, v: f64) -> (f64, f64) {
         let c = &self.coefficients;
+        let (uu, uv, vv) = (u * u, u * v, v * v);
         (
-            c[1] + 2.0 * c[3] * u + c[4] * v + 3.0 * c[6] * u * u + 2.0 * c[7] * u * v + c[8] * v * v,
-            c[2] + c[4] * u + 2.0 * c[5] * v + c[7] * u * u + 2.0 * c[8] * u * v + 3.0 * c[9] * v * v,
+            c[1] + 2.0 * c[3] * u
+                + c[4] * v
+                + 3.0 * c[6] * uu
+                + 2.0 * c[7] * uv
+                + c[8] * vv
+                + u * (4.0 * c[10] * uu + 3.0 * c[11] * uv + 2.0 * c[12] * vv)
+                + c[13] * vv * v,
+            c[2] + c[4] * u
+                + 2.0 * c[5] * v
+                + c[7] * uu
+                + 2.0 * c[8] * uv
+                + 3.0 * c[9] * vv
+                + c[11] * uu * u
+                + v * (2.0 * c[12] * uu + 3.0 * c[13] * uv + 4.0 * c[14] * vv),
         )
     }
 }
 
+/// Coefficients of the polynomial that fits the heights, and the sum of the squares of its residuals.
+///
+/// One factorisation serves all degrees: those of the lower ones are its leading blocks, and the squares of the reduced right
+/// side are what each term takes from the residuals.
+fn fit_heights(locals: &[Vector3<f64>]) -> Option<(SVector<f64, TERMS>, f64)> {
+    let count = locals.len();
+    let most =
+        [QUARTIC, CUBIC, QUADRATIC].into_iter().find(|[_, least]| count >= *least).map_or(3, |[t, _]| t);
+    let (mut matrix, mut rhs) = (SMatrix::<f64, TERMS, TERMS>::zeros(), SVector::<f64, TERMS>::zeros());
+    let mut squares = 0.0;
+    for local in locals {
+        let basis = powers(local.x, local.y);
+        for j in 0..most {
+            for i in j..most {
+                matrix[(i, j)] += basis[i] * basis[j];
+            }
+            rhs[j] += basis[j] * local.z;
+        }
+        squares += local.z * local.z;
+    }
+    for i in 0..TERMS {
+        matrix[(i, i)] += if i < most { 1e-11 * count as f64 } else { 1.0 };
+    }
+    let factor = matrix.cholesky()?.unpack();
+    let mut reduced = rhs;
+    if !factor.solve_lower_triangular_mut(&mut reduced) {
+        return None;
+    }
+    let residual = |terms: usize| (squares - reduced.rows(0, terms).norm_squared()).max(0.0);
+    let terms = if most == QUARTIC[0] {
+        let variance = |terms: usize| residual(terms) / (count - terms) as f64;
+        if variance(QUARTIC[0]) < BETTER * variance(CUBIC[0]) { QUARTIC[0] } else { CUBIC[0] }
+    } else {
+        most
+    };
+    let mut coefficients = SVector::zeros();
+    for i in (0..terms).rev() {
+        let known: f64 = (i + 1..terms).map(|k| factor[(k, i)] * coefficients[k]).sum();
+        coefficients[i] = (reduced[i] - known) / factor[(i, i)];
+    }
+    Some((coefficients, residual(terms)))
+}
+
 fn powers(u: f64, v: f64) -> SVector<f64, TERMS> {
-    SVector::from([1.0, u, v, u * u, u * v, v * v, u * u * u, u * u * v, u * v * v, v * v * v])
+    let (uu, uv, vv) = (u * u, u * v, v * v);
+    let (cubic, quartic) = ([uu * u, uu * v, u * vv, vv * v], [uu * uu, uu * uv, uu * vv, uv * vv, vv * vv]);
+    let mut all = [1.0, u, v, uu, uv, vv, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+    all[6..10].copy_from_slice(&cubic);
+    all[10..].copy_from_slice(&quartic);
+    SVector::from(all)
 }
 
 #[cfg(test)]
@@ -175,6 +222,20 @@ mod tests {
             errors[0] < 4e-4 && errors[1] < errors[0] / 10.0 && errors[2] < errors[1] / 10.0,
             "{errors:?}"
         );
+    }
+
+    #[test]
+    fn noise_is_not_fitted_with_degree_four() {
+        let mut random = Random::new(7);
+        let [exact, noisy] = [0.0, 3e-3].map(|noise| {
+            let mut quartic = || {
+                let mut locals = sphere(28, 0.5, &mut random);
+                locals.iter_mut().for_each(|x| x.z += noise * (2.0 * random.unit() - 1.0) - 1.0);
+                fit_heights(&locals).unwrap().0[10] != 0.0
+            };
+            (0..50).filter(|_| quartic()).count()
+        });
+        assert!(exact >= 45 && noisy <= 5, "{exact} {noisy}");
     }
 
     #[test]
