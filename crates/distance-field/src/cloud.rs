@@ -148,13 +148,16 @@ fn is_border(points: &[Point3<f64>], i: usize, near: &[Neighbour], frame: &Curva
     around.sort_by(|one, other| one.0.total_cmp(&other.0));
     let (Some(first), Some(last)) = (around.first(), around.last()) else { return true };
     let widest = BORDER_GAP.cos();
-    let wide = |from: &Vector2<f64>, to: &Vector2<f64>| {
-        from.perp(to) < 0.0 || from.dot(to) < widest * (from.norm_squared() * to.norm_squared()).sqrt()
+    // Up to half a turn the cosine tells the angle; `ahead` is 2 there.
+    let wide = |ahead: f64, from: &Vector2<f64>, to: &Vector2<f64>| {
+        ahead > 2.0 || from.dot(to) < widest * (from.norm_squared() * to.norm_squared()).sqrt()
     };
-    around.len() == 1 || wide(&last.1, &first.1) || around.windows(2).any(|pair| wide(&pair[0].1, &pair[1].1))
+    around.len() == 1
+        || wide(first.0 + 4.0 - last.0, &last.1, &first.1)
+        || around.windows(2).any(|pair| wide(pair[1].0 - pair[0].0, &pair[0].1, &pair[1].1))
 }
 
-/// A number that grows with the angle of a vector, from −2 to 2.
+/// A number that grows with the angle of a vector from −2 to 2, by 2 in every half turn.
 fn turn(d: &Vector2<f64>) -> f64 {
     let share = d.x / (d.x.abs() + d.y.abs());
     if d.y < 0.0 { share - 1.0 } else { 1.0 - share }
