@@ -24,6 +24,13 @@ const LOPSIDED: f64 = 0.27;
 const TRUSTED: f64 = 0.75;
 const ROUGH: f64 = 0.25;
 
+/// The largest degree of the polynomials of a view.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Degree {
+    Three,
+    Four,
+}
+
 /// A polynomial surface `w = f(u, v)` around a point.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LocalSurface {
@@ -45,8 +52,8 @@ pub(crate) struct Height {
 }
 
 impl LocalSurface {
-    /// Fits the surface around `centre` through its neighbours; `None` if they do not span one.
-    pub(crate) fn fit(centre: &Vector3<f64>, neighbours: &[Vector3<f64>]) -> Option<Self> {
+    /// Fits the surface around `centre` through its neighbours, of at most the given degree; `None` if they do not span one.
+    pub(crate) fn fit(centre: &Vector3<f64>, neighbours: &[Vector3<f64>], degree: Degree) -> Option<Self> {
         let count = neighbours.len();
         let radius = neighbours.iter().map(|x| (x - centre).norm()).fold(0.0, f64::max);
         if count < 3 || radius.is_nan() || radius <= 0.0 {
@@ -70,7 +77,7 @@ impl LocalSurface {
 
         let locals: Vec<Vector3<f64>> =
             neighbours.iter().map(|x| axes.tr_mul(&(x - centre)) / radius).collect();
-        let (coefficients, residual) = fit_heights(&locals)?;
+        let (coefficients, residual) = fit_heights(&locals, degree)?;
         let middle = locals.iter().map(|x| x.xy()).sum::<Vector2<f64>>() / count as f64;
         let border = middle.norm() > LOPSIDED || (residual / count as f64).sqrt() > ROUGH;
         coefficients.iter().all(|c| c.is_finite()).then_some(Self {
@@ -94,6 +101,11 @@ impl LocalSurface {
         let value = (local.z - self.coefficients.dot(&powers(u, v))) * self.radius / length;
         let normal = self.axes * Vector3::new(-slope_u, -slope_v, 1.0) / length;
         (length < 2.0 && value.is_finite()).then_some(Height { value, normal })
+    }
+
+    /// Whether the points asked for degree four.
+    pub(crate) fn is_quartic(&self) -> bool {
+        self.coefficients.rows(QUARTIC[0] - 5, 5).iter().any(|&c| c != 0.0)
     }
 
     /// The unit normal at the centre.
@@ -143,10 +155,13 @@ impl LocalSurface {
 ///
 /// One factorisation serves all degrees: those of the lower ones are its leading blocks, and the squares of the reduced right
 /// side are what each term takes from the residuals.
-fn fit_heights(locals: &[Vector3<f64>]) -> Option<(SVector<f64, TERMS>, f64)> {
+fn fit_heights(locals: &[Vector3<f64>], degree: Degree) -> Option<(SVector<f64, TERMS>, f64)> {
     let count = locals.len();
-    let most =
-        [QUARTIC, CUBIC, QUADRATIC].into_iter().find(|[_, least]| count >= *least).map_or(3, |[t, _]| t);
+    let degrees = match degree {
+        Degree::Four => &[QUARTIC, CUBIC, QUADRATIC][..],
+        Degree::Three => &[CUBIC, QUADRATIC],
+    };
+    let most = degrees.iter().find(|[_, least]| count >= *least).map_or(3, |[terms, _]| *terms);
     let (mut matrix, mut rhs) = (SMatrix::<f64, TERMS, TERMS>::zeros(), SVector::<f64, TERMS>::zeros());
     let mut squares = 0.0;
     for local in locals {
@@ -209,7 +224,8 @@ mod tests {
             let mut worst: f64 = 0.0;
             for _ in 0..20 {
                 let points = sphere(40, half, &mut random);
-                let surface = LocalSurface::fit(&Vector3::z(), &points).unwrap().oriented(&Vector3::z());
+                let surface =
+                    LocalSurface::fit(&Vector3::z(), &points, Degree::Three).unwrap().oriented(&Vector3::z());
                 for x in sphere(20, 0.5 * half, &mut random) {
                     let height = surface.height(&x).unwrap();
                     worst = worst.max(height.value.abs());
@@ -231,7 +247,7 @@ mod tests {
             let mut quartic = || {
                 let mut locals = sphere(28, 0.5, &mut random);
                 locals.iter_mut().for_each(|x| x.z += noise * (2.0 * random.unit() - 1.0) - 1.0);
-                fit_heights(&locals).unwrap().0[10] != 0.0
+                fit_heights(&locals, Degree::Four).unwrap().0[10] != 0.0
             };
             (0..50).filter(|_| quartic()).count()
         });
@@ -244,12 +260,12 @@ mod tests {
         let mut plane = |shift: f64| -> Vec<Vector3<f64>> {
             (0..60).map(|_| Vector3::new(random.unit() - shift, random.unit() - 0.5, 0.0)).collect()
         };
-        assert!(!LocalSurface::fit(&Vector3::zeros(), &plane(0.5)).unwrap().border);
-        assert!(LocalSurface::fit(&Vector3::zeros(), &plane(0.0)).unwrap().border);
-        let flat = LocalSurface::fit(&Vector3::zeros(), &plane(0.5)[..5]).unwrap();
+        assert!(!LocalSurface::fit(&Vector3::zeros(), &plane(0.5), Degree::Four).unwrap().border);
+        assert!(LocalSurface::fit(&Vector3::zeros(), &plane(0.0), Degree::Four).unwrap().border);
+        let flat = LocalSurface::fit(&Vector3::zeros(), &plane(0.5)[..5], Degree::Four).unwrap();
         assert!((flat.height(&Vector3::new(0.1, 0.1, 0.3)).unwrap().value.abs() - 0.3).abs() < 1e-9);
-        assert!(LocalSurface::fit(&Vector3::zeros(), &[Vector3::zeros(); 30]).is_none());
+        assert!(LocalSurface::fit(&Vector3::zeros(), &[Vector3::zeros(); 30], Degree::Four).is_none());
         let line: Vec<_> = (0..30).map(|i| Vector3::x() * f64::from(i)).collect();
-        assert!(LocalSurface::fit(&Vector3::zeros(), &line).is_none());
+        assert!(LocalSurface::fit(&Vector3::zeros(), &line, Degree::Four).is_none());
     }
 }
