@@ -100,6 +100,13 @@ const GROUPS: &[(&str, &str, &str)] = &[
     ),
     ("start", "Coarse start", "Per search without an initial pose, and its preparation for a model."),
     ("views", "Many views", "Per registration of all views, without initial poses."),
+    (
+        "curve-fit",
+        "Fits of curves",
+        "Per point and iteration, a projection onto the curve and its share of the normal equations, of their solution and of all \
+         preparations included: `points-controls-term`, all terms in the same loop.",
+    ),
+    ("surface-fit", "Fits of surfaces", "The same for surfaces, closed in one direction, on all threads."),
 ];
 
 /// Runs the command.

@@ -14,6 +14,7 @@
 //! | triangle meshes | [`MeshField`] | exact | 2 ([`MeshGeometry::Smooth`]), 1 and 0 on boundaries |
 //! | dense clouds | [`CloudField`] | on quadrics at the points | 2 |
 //! | level sets on grids | [`LevelSetField`] | exact for the spline through the values | 2 in space, 1 in the plane |
+//! | offsets of these | [`OffsetField`] | on the normals of the shape | all |
 //! | any of these | [`D2Tree`] | none: precomputed models | as in the field it is made of |
 //!
 //! All of them at once, as a registration does:
@@ -59,6 +60,7 @@ mod kernel;
 mod level_set;
 mod local_geometry;
 mod mesh;
+mod offset;
 mod osculating;
 mod parallel;
 mod pole;
@@ -78,6 +80,7 @@ pub use frame::PrincipalFrame;
 pub use kernel::Kernel;
 pub use level_set::{Grid, LevelSetField};
 pub use mesh::{MeshField, MeshGeometry, MeshOptions};
+pub use offset::OffsetField;
 pub use quadratic::QuadraticModel;
 pub use search::{Hint, Search};
 pub use spread::{Spread, quantile_in_place};

@@ -3,6 +3,7 @@
 use crate::layout::{Blocks, Layout, triangle};
 use crate::parallel;
 use crate::shape::{ActiveShape, combine};
+use crate::simd::vectorized;
 use crate::target::{Feet, Samples};
 use distance_field::ErrorTerm;
 use nalgebra::SVector;
@@ -131,6 +132,8 @@ fn sum<const D: usize, S: ActiveShape<D>>(
         value: 0.0,
     };
     let mut basis = vec![0.0; columns.len()];
+    let mut products = vec![0.0; count];
+    let mut factors = vec![0.0; components];
     for &index in indices {
         let (index, weight) = (index as usize, weights[index as usize]);
         let observation = samples.observation(shape, feet, index, term);
@@ -141,25 +144,28 @@ fn sum<const D: usize, S: ActiveShape<D>>(
         for (v, b) in out.vector.iter_mut().zip(&basis) {
             *v += force * *b;
         }
-        let mut component = 0;
-        for row in 0..D {
-            for column in 0..=row {
-                if component == components {
-                    break;
-                }
-                let factor = observation.matrix[(row, column)] * weight;
-                let sums = &mut out.pairs[component * count..(component + 1) * count];
-                let mut at = 0;
-                for (i, b) in basis.iter().enumerate() {
-                    let product = factor * b;
-                    for (slot, other) in sums[at..=at + i].iter_mut().zip(&basis[..=i]) {
-                        *slot += product * other;
-                    }
-                    at += i + 1;
-                }
-                component += 1;
-            }
+        let lower = (0..D).flat_map(|row| (0..=row).map(move |column| (row, column)));
+        for (factor, place) in factors.iter_mut().zip(lower) {
+            *factor = observation.matrix[place] * weight;
         }
+        vectorized(
+            #[inline(always)]
+            || add_products(&basis, &factors, &mut products, &mut out.pairs),
+        );
     }
     out
+}
+
+/// Adds `factorₛ · bᵢ bⱼ` to the sums of each component `s`; `products` is room for the `bᵢ bⱼ`, `j ≤ i`.
+#[inline(always)]
+fn add_products(basis: &[f64], factors: &[f64], products: &mut [f64], pairs: &mut [f64]) {
+    let mut rest = &mut *products;
+    for (i, b) in basis.iter().enumerate() {
+        let (row, after) = std::mem::take(&mut rest).split_at_mut(i + 1);
+        row.iter_mut().zip(basis).for_each(|(product, other)| *product = b * other);
+        rest = after;
+    }
+    for (factor, sums) in factors.iter().zip(pairs.chunks_exact_mut(products.len())) {
+        sums.iter_mut().zip(&*products).for_each(|(sum, product)| *sum += factor * product);
+    }
 }

@@ -1,6 +1,7 @@
 //! Linear side conditions on the unknowns.
 
 use crate::Error;
+use crate::freedom::Freedom;
 use crate::layout::Factor;
 use crate::shape::ActiveShape;
 use nalgebra::{DMatrix, DVector, SVector};
@@ -23,7 +24,7 @@ pub struct LinearCondition<const D: usize> {
 /// Side conditions of a fit: coefficients that stay, and linear equations.
 ///
 /// Conditions may depend on each other but not contradict. Their cost is that of one solution of the system for each
-/// equation; held coefficients cost nothing.
+/// equation; held coefficients, and a plane for each coefficient, cost nothing.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Constraints<const D: usize> {
     /// Coefficients with a given place.
@@ -140,8 +141,9 @@ fn normals<const D: usize>(direction: &SVector<f64, D>) -> Vec<SVector<f64, D>> 
 /// Side conditions made ready for the loop.
 #[derive(Clone, Debug)]
 pub(crate) struct Prepared<const D: usize> {
-    /// Whether each unknown (coefficient by coefficient) is held; empty if none is.
-    pub(crate) fixed: Vec<bool>,
+    /// What is held or stays in a plane.
+    pub(crate) freedom: Freedom<D>,
+    /// The other conditions.
     conditions: Vec<LinearCondition<D>>,
 }
 
@@ -152,70 +154,58 @@ impl<const D: usize> Prepared<D> {
         coefficients: &mut [SVector<f64, D>],
     ) -> Result<Self, Error> {
         let count = coefficients.len();
-        let mut fixed = Vec::new();
+        let mut freedom = Freedom::full();
         for (index, (&i, place)) in constraints.held.iter().enumerate() {
             if i >= count || place.iter().any(|c| !c.is_finite()) {
                 return Err(Error::Constraint { index, what: "no such coefficient, or no finite place" });
             }
-            fixed.resize(count * D, false);
-            fixed[i * D..(i + 1) * D].fill(true);
+            freedom.fix(i);
             coefficients[i] = *place;
         }
-        let mut conditions = constraints.conditions.clone();
-        for (index, condition) in conditions.iter_mut().enumerate() {
-            let finite = condition.value.is_finite()
-                && condition.terms.iter().all(|(i, a)| *i < count && a.iter().all(|c| c.is_finite()));
-            if !finite {
-                return Err(Error::Constraint {
-                    index,
-                    what: "a coefficient does not exist, or a number is not finite",
-                });
+        let mut all = constraints.conditions.clone();
+        let mut conditions = Vec::new();
+        for (index, condition) in all.iter_mut().enumerate() {
+            normalize(condition, count).map_err(|what| Error::Constraint { index, what })?;
+            // A plane for one coefficient costs nothing; a second one is a condition like others.
+            match condition.terms[..] {
+                [(i, normal)] if freedom.keep_in_plane(i, normal) => {
+                    coefficients[i] += normal * (condition.value - normal.dot(&coefficients[i]));
+                }
+                _ => conditions.push(condition.clone()),
             }
-            let scale = condition.terms.iter().map(|(_, a)| a.norm_squared()).sum::<f64>().sqrt();
-            if scale == 0.0 {
-                return Err(Error::Constraint { index, what: "all factors are 0" });
-            }
-            condition.value /= scale;
-            condition.terms.iter_mut().for_each(|(_, a)| *a /= scale);
         }
-        let prepared = Self { fixed, conditions };
-        prepared.satisfy(coefficients)?;
-        Ok(prepared)
+        let prepared = Self { freedom, conditions };
+        prepared.satisfy(coefficients);
+        let size = coefficients.iter().map(|d| d.norm()).fold(0.0, f64::max);
+        match all.iter().position(|condition| {
+            let left = missing(condition, coefficients);
+            left.abs() > CONTRADICTION * size.max(condition.value.abs())
+        }) {
+            Some(index) => Err(Error::Constraint { index, what: "it contradicts others" }),
+            None => Ok(prepared),
+        }
     }
 
     pub(crate) fn has_conditions(&self) -> bool {
         !self.conditions.is_empty()
     }
 
-    fn is_fixed(&self, coefficient: usize) -> bool {
-        self.fixed.get(coefficient * D).copied().unwrap_or(false)
-    }
-
-    fn satisfy(&self, coefficients: &mut [SVector<f64, D>]) -> Result<(), Error> {
+    fn satisfy(&self, coefficients: &mut [SVector<f64, D>]) {
         if self.conditions.is_empty() {
-            return Ok(());
+            return;
         }
         let columns: Vec<_> =
             (0..self.conditions.len()).map(|k| self.column(k, coefficients.len())).collect();
         let schur = DMatrix::from_fn(columns.len(), columns.len(), |i, j| self.apply(i, &columns[j]));
-        let open = self.open(coefficients);
-        let factors = solve_dependent(schur, &open);
+        let factors = solve_dependent(schur, &self.open(coefficients));
         for (column, factor) in columns.iter().zip(&factors) {
             coefficients.iter_mut().zip(column).for_each(|(d, a)| *d += a * *factor);
-        }
-        let size = coefficients.iter().map(|d| d.norm()).fold(0.0, f64::max).max(open.amax());
-        let left = self.open(coefficients);
-        match left.iter().position(|x| x.abs() > CONTRADICTION * size) {
-            Some(index) => Err(Error::Constraint { index, what: "it contradicts others" }),
-            None => Ok(()),
         }
     }
 
     /// What is missing to each condition.
     fn open(&self, coefficients: &[SVector<f64, D>]) -> DVector<f64> {
-        let values = self.conditions.iter().map(|condition| {
-            condition.terms.iter().fold(condition.value, |rest, (i, a)| rest - a.dot(&coefficients[*i]))
-        });
+        let values = self.conditions.iter().map(|condition| missing(condition, coefficients));
         DVector::from_iterator(self.conditions.len(), values)
     }
 
@@ -223,16 +213,14 @@ impl<const D: usize> Prepared<D> {
     fn column(&self, condition: usize, count: usize) -> Vec<SVector<f64, D>> {
         let mut out = vec![SVector::zeros(); count];
         for (i, a) in &self.conditions[condition].terms {
-            if !self.is_fixed(*i) {
-                out[*i] += a;
-            }
+            out[*i] += self.freedom.allowed(*i, a);
         }
         out
     }
 
     fn apply(&self, condition: usize, x: &[SVector<f64, D>]) -> f64 {
         let terms = self.conditions[condition].terms.iter();
-        terms.filter(|(i, _)| !self.is_fixed(*i)).map(|(i, a)| a.dot(&x[*i])).sum()
+        terms.map(|(i, a)| self.freedom.allowed(*i, a).dot(&x[*i])).sum()
     }
 
     /// The step that solves the factored system under the side conditions; `coefficients` are those before the step.
@@ -244,10 +232,7 @@ impl<const D: usize> Prepared<D> {
         vector: &[SVector<f64, D>],
         coefficients: &[SVector<f64, D>],
     ) -> Option<Vec<SVector<f64, D>>> {
-        let mut rhs = vector.to_vec();
-        for (_, v) in rhs.iter_mut().enumerate().filter(|(i, _)| self.is_fixed(*i)) {
-            *v = SVector::zeros();
-        }
+        let rhs: Vec<_> = vector.iter().enumerate().map(|(i, v)| self.freedom.allowed(i, v)).collect();
         let mut step = factor.solve(&rhs)?;
         if self.conditions.is_empty() {
             return Some(step);
@@ -264,6 +249,26 @@ impl<const D: usize> Prepared<D> {
         }
         Some(step)
     }
+}
+
+/// Checks a condition and scales its factors to the length 1.
+fn normalize<const D: usize>(condition: &mut LinearCondition<D>, count: usize) -> Result<(), &'static str> {
+    let finite = condition.value.is_finite()
+        && condition.terms.iter().all(|(i, a)| *i < count && a.iter().all(|c| c.is_finite()));
+    if !finite {
+        return Err("a coefficient does not exist, or a number is not finite");
+    }
+    let scale = condition.terms.iter().map(|(_, a)| a.norm_squared()).sum::<f64>().sqrt();
+    if scale == 0.0 {
+        return Err("all factors are 0");
+    }
+    condition.value /= scale;
+    condition.terms.iter_mut().for_each(|(_, a)| *a /= scale);
+    Ok(())
+}
+
+fn missing<const D: usize>(condition: &LinearCondition<D>, coefficients: &[SVector<f64, D>]) -> f64 {
+    condition.terms.iter().fold(condition.value, |rest, (i, a)| rest - a.dot(&coefficients[*i]))
 }
 
 /// Solves a symmetric positive semidefinite system whose equations may depend on each other.

@@ -69,6 +69,14 @@ pub enum Error {
     /// A rational shape where one is needed that is linear in its unknowns.
     #[error("the shape has weights: it is not linear in its unknowns; take one without")]
     Rational,
+    /// A surface that is to be ruled and is not of degree 1 in v.
+    #[error(
+        "the degree in v is {degree}: a ruled surface has degree 1, its rulings in v; transpose it, or take another one"
+    )]
+    NotRuled {
+        /// Its degree in v.
+        degree: usize,
+    },
     /// A shape of `nurbs-core` cannot be made.
     #[error(transparent)]
     Shape(#[from] nurbs_core::Error),

@@ -7,7 +7,7 @@ use crate::layout::{Blocks, Layout};
 use crate::noise::{Noise, disagreement};
 use crate::options::{FitOptions, FootpointPolicy, StepControl};
 use crate::report::{FitReport, Fitted, StepRecord};
-use crate::shape::{ActiveShape, CellGram};
+use crate::shape::{ActiveShape, CellGram, Penalty};
 use crate::smoothing::{Answer, Schedule, wanted};
 use crate::target::{Feet, Samples, Target};
 use crate::weights::{measure, weights};
@@ -160,10 +160,28 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
         coefficients.iter().zip(&image).map(|(a, b)| a.dot(b)).sum::<f64>().max(0.0)
     }
 
-    /// All energies with their factors.
-    fn energy_of(&self, coefficients: &[SVector<f64, D>]) -> f64 {
+    /// All energies with their factors, and the penalties.
+    fn energy_of(&self, shape: &S) -> f64 {
+        let coefficients = shape.coefficients();
         let fair = self.fairing.as_ref().map_or(0.0, |f| f.value(&self.layout, coefficients));
-        self.schedule.lambda * self.bend(coefficients) + fair
+        let penalty: f64 = shape.penalties().iter().map(|p| p.value * p.value).sum();
+        self.schedule.lambda * self.bend(coefficients) + fair + penalty
+    }
+
+    /// Adds the penalties of the present shape, linearised, to the normal equations.
+    fn add_penalties(&self, normal: &mut Normal<D>) {
+        let penalties = self.shape.penalties();
+        if penalties.is_empty() {
+            return;
+        }
+        let cells = self.shape.cells();
+        normal.matrix = self.layout.with_whole_blocks::<D>(&normal.matrix);
+        for Penalty { cell, value, gradient } in &penalties {
+            self.layout.add_square(cells, *cell, gradient, &mut normal.matrix);
+            for (&column, derivative) in cells.columns(*cell).iter().zip(gradient) {
+                normal.vector[column] -= derivative * *value;
+            }
+        }
     }
 
     /// One iteration; the status if it was the last.
@@ -180,9 +198,10 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
         if let Some(fairing) = &self.fairing {
             fairing.add_to(&self.layout, &mut normal, self.shape.coefficients());
         }
+        self.add_penalties(&mut normal);
         let bend = self.layout.multiply(&self.energy, self.shape.coefficients());
         let vector: Vec<_> = normal.vector.iter().zip(&bend).map(|(v, b)| v - b * lambda).collect();
-        let cost = measure(&self.feet, &weights).0 + self.energy_of(self.shape.coefficients());
+        let cost = measure(&self.feet, &weights).0 + self.energy_of(&self.shape);
         let searched = self.search(&normal, &vector, &weights, cost)?;
         let trial = match searched {
             Searched::Found(trial) => trial,
@@ -262,9 +281,9 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
         let normal = tangent.as_ref().unwrap_or(normal);
         let noise = Noise::of(&self.feet, weights);
         let coefficients = self.shape.coefficients();
-        let fixed = &self.side.fixed;
+        let freedom = &self.side.freedom;
         let near = self.schedule.wanted;
-        let found = wanted(&mut self.layout, normal, &self.energy, coefficients, fixed, &noise, near);
+        let found = wanted(&mut self.layout, normal, &self.energy, coefficients, freedom, &noise, near);
         found.map_or(Answer::NotAsked, Answer::Wanted)
     }
 
@@ -351,7 +370,7 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
         let mut lift = LEAST;
         loop {
             let total = (damping + lift) * mean;
-            let factor = self.layout.factor::<D>(&normal.matrix, energy, total, &self.side.fixed);
+            let factor = self.layout.factor::<D>(&normal.matrix, energy, total, &self.side.freedom);
             let step = factor.and_then(|f| self.side.solve(&f, vector, self.shape.coefficients()));
             if step.is_some() {
                 return step;
@@ -383,7 +402,7 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
         }
         let displacement = self.share(step, factor);
         let feet = self.find(&shape, self.search_for(displacement))?;
-        let cost = measure(&feet, weights).0 + self.energy_of(&moved);
+        let cost = measure(&feet, weights).0 + self.energy_of(&shape);
         Ok(cost.is_finite().then_some(Trial { shape, feet, cost, displacement, factor }))
     }
 

@@ -1,7 +1,8 @@
 //! The normal equations: where their entries stand, decided once for a shape.
 
+use crate::freedom::Freedom;
 use crate::shape::{CellGram, CellTable};
-use nalgebra::SVector;
+use nalgebra::{SMatrix, SVector};
 use nurbs_core::linear::{Cholesky, Pattern, Sparse};
 
 /// Places of the entries between coefficients, and from each cell to them.
@@ -20,7 +21,8 @@ pub(crate) struct Layout {
     coupled: Option<(Sparse, Pattern)>,
 }
 
-/// A symmetric matrix between coefficients: for each entry one number (scalar) or the lower triangle of a block.
+/// A symmetric matrix between coefficients: for each entry one number (a multiple of the unit matrix), the lower triangle of a
+/// symmetric block, or all of a block, row after row.
 #[derive(Clone, Debug)]
 pub(crate) struct Blocks {
     pub(crate) components: usize,
@@ -80,6 +82,48 @@ impl Layout {
         });
     }
 
+    /// Adds the square of a linear form of the coefficients of a cell to a matrix of whole blocks.
+    pub(crate) fn add_square<const D: usize>(
+        &self,
+        cells: &CellTable,
+        cell: usize,
+        form: &[SVector<f64, D>],
+        to: &mut Blocks,
+    ) {
+        let (places, columns) = (&self.places[self.starts[cell]..self.starts[cell + 1]], cells.columns(cell));
+        let mut pair = 0;
+        for (i, &a) in columns.iter().enumerate() {
+            for (j, &b) in columns[..=i].iter().enumerate() {
+                // The row belongs to the higher coefficient.
+                let (high, low) = if a >= b { (&form[i], &form[j]) } else { (&form[j], &form[i]) };
+                let mut block = high * low.transpose();
+                if a == b && i != j {
+                    block += block.transpose();
+                }
+                let at = places[pair] * D * D;
+                for r in 0..D {
+                    for c in 0..D {
+                        to.values[at + r * D + c] += block[(r, c)];
+                    }
+                }
+                pair += 1;
+            }
+        }
+    }
+
+    /// The same matrix with whole blocks.
+    pub(crate) fn with_whole_blocks<const D: usize>(&self, blocks: &Blocks) -> Blocks {
+        let mut out = self.zeros(D * D);
+        for place in 0..self.lower.values().len() {
+            for r in 0..D {
+                for c in 0..D {
+                    out.values[(place * D + r) * D + c] = blocks.entry::<D>(place, r, c);
+                }
+            }
+        }
+        out
+    }
+
     /// The sum of quadratic forms on cells as one matrix of numbers.
     pub(crate) fn gram(&self, cells: &CellTable, grams: &[CellGram]) -> Blocks {
         let mut out = self.zeros(1);
@@ -102,10 +146,10 @@ impl Layout {
     ) -> Vec<SVector<f64, D>> {
         let mut out = vec![SVector::zeros(); x.len()];
         self.for_entries(|row, column, place| {
-            let block = |v: &SVector<f64, D>| blocks.times(place, v);
-            out[row] += block(&x[column]);
+            let block = blocks.block::<D>(place);
+            out[row] += block * x[column];
             if row != column {
-                out[column] += block(&x[row]);
+                out[column] += block.tr_mul(&x[row]);
             }
         });
         out
@@ -132,8 +176,7 @@ impl Layout {
         sum / self.size() as f64
     }
 
-    /// Factors `matrix + λ · energy + damping · I`, unknowns that `fixed` names (one entry per coordinate, or none at all)
-    /// held.
+    /// Factors `matrix + λ · energy + damping · I`, without what is not free.
     ///
     /// `None` when this is not positive definite.
     pub(crate) fn factor<const D: usize>(
@@ -141,9 +184,9 @@ impl Layout {
         matrix: &Blocks,
         (lambda, energy): (f64, &Blocks),
         damping: f64,
-        fixed: &[bool],
+        freedom: &Freedom<D>,
     ) -> Option<Factor> {
-        if matrix.components == 1 && fixed.iter().all(|f| !f) {
+        if matrix.components == 1 && freedom.is_full() {
             let mut lower = self.lower.clone();
             let values = lower.values_mut();
             for (place, value) in values.iter_mut().enumerate() {
@@ -165,7 +208,7 @@ impl Layout {
             self.coupled = Some((big, pattern));
         }
         let (mut big, pattern) = self.coupled.take()?;
-        self.fill::<D>(&mut big, matrix, (lambda, energy), damping, fixed);
+        self.fill::<D>(&mut big, matrix, (lambda, energy), damping, freedom);
         let cholesky = pattern.factor(&big);
         self.coupled = Some((big, pattern));
         Some(Factor { scalar: false, cholesky: cholesky? })
@@ -190,30 +233,25 @@ impl Layout {
         matrix: &Blocks,
         (lambda, energy): (f64, &Blocks),
         damping: f64,
-        fixed: &[bool],
+        freedom: &Freedom<D>,
     ) {
-        let is_fixed = |unknown: usize| fixed.get(unknown).copied().unwrap_or(false);
         let values = big.values_mut();
         let (mut at, mut start) = (0, 0);
+        let mut blocks: Vec<SMatrix<f64, D, D>> = Vec::new();
         for column in 0..self.size() {
             let rows = self.lower.rows(column);
+            blocks.clear();
+            for (k, &row) in rows.iter().enumerate() {
+                let place = start + k;
+                let mut block = matrix.block::<D>(place);
+                let more = lambda * energy.values[place] + if row == column { damping } else { 0.0 };
+                (0..D).for_each(|c| block[(c, c)] += more);
+                blocks.push(if freedom.is_full() { block } else { freedom.restricted(row, column, block) });
+            }
             for c in 0..D {
-                for (k, &row) in rows.iter().enumerate() {
-                    let place = start + k;
+                for (block, &row) in blocks.iter().zip(rows) {
                     for r in if row == column { c } else { 0 }..D {
-                        let same = r == c;
-                        let mut value = matrix.entry(place, r, c);
-                        if same {
-                            value += lambda * energy.values[place];
-                        }
-                        let diagonal = same && row == column;
-                        if diagonal {
-                            value += damping;
-                        }
-                        if is_fixed(row * D + r) || is_fixed(column * D + c) {
-                            value = if diagonal { 1.0 } else { 0.0 };
-                        }
-                        values[at] = value;
+                        values[at] = block[(r, c)];
                         at += 1;
                     }
                 }
@@ -226,23 +264,25 @@ impl Layout {
 impl Blocks {
     /// An entry of a block.
     #[inline]
-    fn entry(&self, place: usize, r: usize, c: usize) -> f64 {
-        if self.components == 1 {
-            return if r == c { self.values[place] } else { 0.0 };
+    fn entry<const D: usize>(&self, place: usize, r: usize, c: usize) -> f64 {
+        match self.components {
+            1 if r == c => self.values[place],
+            1 => 0.0,
+            whole if whole == D * D => self.values[(place * D + r) * D + c],
+            _ => {
+                let (high, low) = if r >= c { (r, c) } else { (c, r) };
+                self.values[place * self.components + triangle(high) + low]
+            }
         }
-        let (high, low) = if r >= c { (r, c) } else { (c, r) };
-        self.values[place * self.components + triangle(high) + low]
+    }
+
+    #[inline]
+    fn block<const D: usize>(&self, place: usize) -> SMatrix<f64, D, D> {
+        SMatrix::from_fn(|r, c| self.entry::<D>(place, r, c))
     }
 
     fn diagonal<const D: usize>(&self, place: usize) -> f64 {
-        (0..D).map(|c| self.entry(place, c, c)).sum::<f64>() / D as f64
-    }
-
-    fn times<const D: usize>(&self, place: usize, x: &SVector<f64, D>) -> SVector<f64, D> {
-        if self.components == 1 {
-            return x * self.values[place];
-        }
-        SVector::from_fn(|r, _| (0..D).map(|c| self.entry(place, r, c) * x[c]).sum())
+        (0..D).map(|c| self.entry::<D>(place, c, c)).sum::<f64>() / D as f64
     }
 }
 
@@ -296,6 +336,29 @@ mod tests {
     use nalgebra::Vector2;
 
     #[test]
+    fn squares_of_linear_forms_agree_with_a_dense_matrix() {
+        let cells = CellTable::new([vec![2, 0, 1], vec![1, 3, 1]]);
+        let layout = Layout::new(&cells, 4);
+        let mut blocks = layout.zeros(4);
+        let mut dense = nalgebra::DMatrix::<f64>::zeros(8, 8);
+        for cell in 0..2 {
+            let form = [0.5, -1.0, 2.0].map(|a| Vector2::new(a, 0.3 - a * a + cell as f64));
+            let mut row = nalgebra::DVector::<f64>::zeros(8);
+            for (g, &i) in form.iter().zip(cells.columns(cell)) {
+                (0..2).for_each(|c| row[2 * i + c] += g[c]);
+            }
+            dense += &row * row.transpose();
+            layout.add_square(&cells, cell, &form, &mut blocks);
+        }
+        let x: Vec<_> = (0..4).map(|i| Vector2::new(1.0 + i as f64, 0.5 - (i * i) as f64)).collect();
+        let flat = nalgebra::DVector::from_iterator(8, x.iter().flat_map(|v| [v.x, v.y]));
+        let (product, expected) = (layout.multiply(&blocks, &x), dense * flat);
+        for i in 0..4 {
+            assert!((product[i] - Vector2::new(expected[2 * i], expected[2 * i + 1])).norm() < 1e-12);
+        }
+    }
+
+    #[test]
     fn blocks_agree_with_a_dense_matrix() {
         // Three functions on each of three cells of a ring of four coefficients; one cell meets a coefficient twice.
         let cells = CellTable::new([vec![0, 1, 2], vec![2, 3, 0], vec![3, 1, 3]]);
@@ -338,19 +401,18 @@ mod tests {
             assert!((product[i] - Vector2::new(expected[2 * i], expected[2 * i + 1])).norm() < 1e-12);
         }
         let energy = layout.zeros(1);
-        let mut fixed = vec![false; 8];
-        let factor = layout.factor::<2>(&blocks, (0.0, &energy), 1e-3, &fixed).unwrap();
+        let mut freedom = Freedom::full();
+        let factor = layout.factor::<2>(&blocks, (0.0, &energy), 1e-3, &freedom).unwrap();
         let back = factor.solve(&x).unwrap();
         let expected = (&dense + nalgebra::DMatrix::identity(8, 8) * 1e-3).lu().solve(&flat).unwrap();
         for i in 0..4 {
             let expected = Vector2::new(expected[2 * i], expected[2 * i + 1]);
             assert!((back[i] - expected).norm() < 1e-9 * expected.norm().max(1.0));
         }
-        fixed[3] = true;
-        let factor = layout.factor::<2>(&blocks, (0.0, &energy), 1e-3, &fixed).unwrap();
-        assert_eq!(
-            factor.solve(&[Vector2::x(), Vector2::x(), Vector2::x(), Vector2::x()]).unwrap()[1].y,
-            0.0
-        );
+        freedom.fix(1);
+        let factor = layout.factor::<2>(&blocks, (0.0, &energy), 1e-3, &freedom).unwrap();
+        let mut forces = [Vector2::x(); 4];
+        forces[1] = Vector2::zeros();
+        assert_eq!(factor.solve(&forces).unwrap()[1], Vector2::zeros());
     }
 }

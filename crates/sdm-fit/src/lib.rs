@@ -27,6 +27,7 @@ mod constraint;
 pub mod curve;
 mod error;
 mod fairing;
+mod freedom;
 mod iterate;
 mod layout;
 mod noise;
@@ -34,7 +35,9 @@ mod options;
 mod parallel;
 pub mod primitive;
 mod report;
+pub mod ruled;
 mod shape;
+mod simd;
 mod smoothing;
 mod status;
 mod surface;
@@ -47,7 +50,7 @@ pub use error::Error;
 pub use iterate::{Progress, fit, fit_with_progress, no_progress};
 pub use options::{FitOptions, FootpointPolicy, Robust, Smoothing, StepControl};
 pub use report::{FitReport, Fitted, StepRecord};
-pub use shape::{ActiveShape, CellGram, CellTable};
+pub use shape::{ActiveShape, CellGram, CellTable, Penalty};
 pub use status::Status;
 pub use surface::{
     ActiveSurface, BaseShape, Folds, InitialSurface, NetSize, SurfaceFit, SurfaceOptions, SurfaceReport,

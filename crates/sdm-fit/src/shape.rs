@@ -63,6 +63,17 @@ pub struct CellGram {
     pub gram: Vec<f64>,
 }
 
+/// Something that a shape is to fulfil besides being near the target, as a residual whose square is added to the cost.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Penalty<const D: usize> {
+    /// The cell on whose coefficients it depends.
+    pub cell: usize,
+    /// The residual.
+    pub value: f64,
+    /// Its derivatives by the coefficients of the cell.
+    pub gradient: Vec<SVector<f64, D>>,
+}
+
 /// A shape in `R^D` whose points are linear in its unknowns, the coefficients `dᵢ`: `s(u, v) = Σ Bᵢ(u, v) dᵢ`
 /// (\[P05, eq. (6)\]).
 ///
@@ -99,6 +110,13 @@ pub trait ActiveShape<const D: usize>: Clone + Send + Sync {
     /// A unit normal for each cell, across which the fairing of the parameterisation does not act, and how much the cell
     /// counts in it, at least 1 ([`FitOptions::fairing`](crate::FitOptions::fairing)); empty for shapes without fairing.
     fn tangent_planes(&self) -> Vec<(SVector<f64, D>, f64)> {
+        Vec::new()
+    }
+
+    /// What the present shape is to fulfil besides being near the target; nothing by default.
+    ///
+    /// Each step takes the residuals as linear (Gauss and Newton's method).
+    fn penalties(&self) -> Vec<Penalty<D>> {
         Vec::new()
     }
 

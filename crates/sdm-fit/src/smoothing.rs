@@ -1,15 +1,20 @@
 //! The factor of the energy: schedules, and generalised cross validation.
 
 use crate::assemble::Normal;
+use crate::freedom::Freedom;
 use crate::layout::{Blocks, Layout};
 use crate::noise::Noise;
 use crate::options::Smoothing;
 use nalgebra::SVector;
 
-/// Factors tried: powers of ten from the first to the last, then finer around the best.
+/// Factors tried: powers of ten from the last down to the first, then finer around the best.
 const DECADES: [i32; 2] = [-14, 1];
 const BETWEEN: [f64; 6] = [-0.75, -0.5, -0.25, 0.25, 0.5, 0.75];
-const AROUND: [f64; 7] = [-1.0, -0.5, -0.25, 0.0, 0.25, 0.5, 1.0];
+/// Decades in a row without a better score after which smaller factors are not tried.
+const WORSE: usize = 4;
+/// Around a value that was found before, and beyond when the best is one of the outermost.
+const AROUND: [f64; 5] = [-0.5, -0.25, 0.0, 0.25, 0.5];
+const BEYOND: f64 = 0.5;
 /// How much a degree of freedom counts: above 1, since the score by itself is easily misled to too little smoothing.
 const CAUTION: f64 = 1.4;
 /// Where distances are this share of the radius of curvature, a shape can follow the noise in more ways than the
@@ -121,7 +126,7 @@ pub(crate) fn wanted<const D: usize>(
     normal: &Normal<D>,
     energy: &Blocks,
     coefficients: &[SVector<f64, D>],
-    fixed: &[bool],
+    freedom: &Freedom<D>,
     noise: &Noise,
     near: Option<f64>,
 ) -> Option<f64> {
@@ -131,18 +136,33 @@ pub(crate) fn wanted<const D: usize>(
         least: if noise.surface { ESTIMATED } else { 0.0 },
     };
     let bend = layout.multiply(energy, coefficients);
-    let question = Question { normal, energy, bend, fixed, count };
+    let question = Question { normal, energy, bend, freedom, count };
     let mut scores: Vec<Score> = Vec::new();
-    let mut centre = near.map(f64::log10);
-    if centre.is_none() {
-        for decade in DECADES[0]..=DECADES[1] {
-            scores.extend(question.score(layout, f64::from(decade)));
+    if let Some(near) = near {
+        let centre = near.log10();
+        for step in AROUND {
+            scores.extend(question.score(layout, centre + step));
         }
-        centre = best(&scores, slack).map(f64::log10);
+        let found = best(&scores, slack)?;
+        let off = found.log10() - centre;
+        if off.abs() > AROUND[AROUND.len() - 1] - 0.5 * BEYOND {
+            scores.extend(question.score(layout, found.log10() + BEYOND.copysign(off)));
+        }
+        return best(&scores, slack);
     }
-    let steps = if near.is_some() { &AROUND[..] } else { &BETWEEN[..] };
-    for step in steps {
-        scores.extend(question.score(layout, centre? + step));
+    let mut since_best = 0;
+    for decade in (DECADES[0]..=DECADES[1]).rev() {
+        let least = scores.iter().map(|s| s.value).fold(f64::INFINITY, f64::min);
+        let Some(score) = question.score(layout, f64::from(decade)) else { continue };
+        since_best = if score.value < least { 0 } else { since_best + 1 };
+        scores.push(score);
+        if since_best >= WORSE {
+            break;
+        }
+    }
+    let centre = best(&scores, slack)?.log10();
+    for step in BETWEEN {
+        scores.extend(question.score(layout, centre + step));
     }
     best(&scores, slack)
 }
@@ -178,7 +198,7 @@ struct Question<'a, const D: usize> {
     energy: &'a Blocks,
     /// The energy matrix times the coefficients.
     bend: Vec<SVector<f64, D>>,
-    fixed: &'a [bool],
+    freedom: &'a Freedom<D>,
     /// Number of distances.
     count: f64,
 }
@@ -186,16 +206,12 @@ struct Question<'a, const D: usize> {
 impl<const D: usize> Question<'_, D> {
     fn score(&self, layout: &mut Layout, exponent: f64) -> Option<Score> {
         let lambda = 10f64.powf(exponent);
-        let Self { normal, energy, bend, fixed, count } = self;
+        let Self { normal, energy, bend, freedom, count } = self;
         let damping = 1e-13 * layout.mean_diagonal::<D>(&normal.matrix);
-        let factor = layout.factor::<D>(&normal.matrix, (lambda, energy), damping, fixed)?;
+        let factor = layout.factor::<D>(&normal.matrix, (lambda, energy), damping, freedom)?;
         let n = normal.vector.len();
-        let is_fixed = |i: usize, c: usize| fixed.get(i * D + c).copied().unwrap_or(false);
-        let free = |v: Vec<SVector<f64, D>>| {
-            let masked = v.into_iter().enumerate();
-            masked
-                .map(|(i, v)| SVector::from_fn(|c, _| if is_fixed(i, c) { 0.0 } else { v[c] }))
-                .collect::<Vec<_>>()
+        let free = |v: Vec<SVector<f64, D>>| -> Vec<SVector<f64, D>> {
+            v.iter().enumerate().map(|(i, v)| freedom.allowed(i, v)).collect()
         };
         let rhs = free((0..n).map(|i| normal.vector[i] - bend[i] * lambda).collect());
         let step: Vec<SVector<f64, D>> = factor.solve(&rhs)?;
@@ -211,10 +227,10 @@ impl<const D: usize> Question<'_, D> {
         };
         if n * D <= EXACT {
             for i in 0..n {
-                for c in (0..D).filter(|&c| !is_fixed(i, c)) {
+                for c in 0..D {
                     let mut z = vec![SVector::zeros(); n];
                     z[i][c] = 1.0;
-                    trace += probe(&z)?;
+                    trace += probe(&free(z))?;
                 }
             }
         } else {
