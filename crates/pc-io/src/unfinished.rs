@@ -95,9 +95,9 @@ mod tests {
             fs::write(unfinished.path().join("inside"), "text").unwrap();
             assert!(all().contains(&path(name)));
             if name == "kept" {
-                unfinished.keep()
+                unfinished.keep();
             } else {
-                drop(unfinished)
+                drop(unfinished);
             }
             assert!(!all().contains(&path(name)));
         }
