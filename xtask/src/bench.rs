@@ -107,6 +107,21 @@ const GROUPS: &[(&str, &str, &str)] = &[
          preparations included: `points-controls-term`, all terms in the same loop.",
     ),
     ("surface-fit", "Fits of surfaces", "The same for surfaces, closed in one direction, on all threads."),
+    (
+        "multilevel",
+        "Multilevel B-splines",
+        "Per datum, a wavy height field approximated within a thousandth; on all threads.",
+    ),
+    (
+        "hidden-points",
+        "Hidden points",
+        "Per point of a lobed vase, seen from one side: the convex hull of all points with exact predicates included.",
+    ),
+    (
+        "parameters",
+        "From a cloud to parameters",
+        "Per point of a lobed vase with noise, from no order at all to a base surface and the footpoints on it, on all threads.",
+    ),
 ];
 
 /// Runs the command.
