@@ -2,6 +2,7 @@
 
 use super::folds::Folds;
 use super::initial::{BaseShape, NetSize, initial_surface};
+use super::rational::{EXACT, conic_starts, improved};
 use super::refine::refined;
 use super::{ActiveSurface, InitialSurface};
 use crate::iterate::{Progress, fit_with_progress, no_progress};
@@ -21,6 +22,8 @@ const TRIFLE: f64 = 1e-6;
 const UNFOLDINGS: usize = 6;
 const UNFOLDING_STEPS: usize = 6;
 const STIFFER: f64 = 10.0;
+/// Iterations of the loop before weights are taken in, on arcs of conics.
+const CONIC_STEPS: usize = 20;
 
 /// How a cloud is made a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,6 +41,9 @@ pub struct SurfaceOptions {
     pub max_controls: usize,
     /// Whether the control points on open edges of the start stay where they are; default not.
     pub fixed_boundary: bool,
+    /// Whether weights are unknowns, too, so that cylinders, spheres, other quadrics and tori are exact; default not. Boundaries
+    /// are free then.
+    pub rational: bool,
     /// The loop; the default takes second derivatives as energy, fairs parameter lines, and stops after 30 iterations or three
     /// that change the mean squared distance by less than 0.2 %.
     pub fit: FitOptions,
@@ -52,6 +58,7 @@ impl Default for SurfaceOptions {
             share: 1.0,
             max_controls: 10_000,
             fixed_boundary: false,
+            rational: false,
             fit: FitOptions::default()
                 .with_energy([0.0, 1.0, 0.0])
                 .with_max_iterations(30)
@@ -86,6 +93,8 @@ impl SurfaceOptions {
         with_max_controls(max_controls: usize);
         /// The same options with a boundary that stays or moves.
         with_fixed_boundary(fixed_boundary: bool);
+        /// The same options with or without weights.
+        with_rational(rational: bool);
         /// The same options for the loop.
         with_fit(fit: FitOptions);
     }
@@ -185,16 +194,45 @@ pub fn fit_cloud_with_progress(
     let finite: Vec<Vector3<f64>> =
         points.iter().filter(|p| p.iter().all(|c| c.is_finite())).copied().collect();
     let InitialSurface { surface, base, .. } = initial_surface(&finite, options.base, options.size)?;
-    let mut found = fit_surface_with_progress(&finite, surface, options, progress)?;
+    let conic = if options.rational { conic(&finite, base, options, progress)? } else { None };
+    let mut found = match conic {
+        Some(found) => found,
+        None => fit_surface_with_progress(&finite, surface, options, progress)?,
+    };
     found.report.base = Some(base);
     found.report.dropped = points.len() - finite.len();
     Ok(found)
 }
 
+/// A surface of conic arcs, if one is exact.
+fn conic(
+    points: &[Vector3<f64>],
+    base: BaseShape,
+    options: &SurfaceOptions,
+    progress: Progress<'_>,
+) -> Result<Option<SurfaceFit>, Error> {
+    let smoothing = Smoothing::Continuation { start: 1e-3, factor: 0.5, floor: 1e-6 };
+    let fit = options.fit.with_smoothing(smoothing).with_max_iterations(CONIC_STEPS);
+    let options = options.with_abs_tolerance(None).with_fit(fit);
+    for start in conic_starts(points, base)? {
+        if start.control_points().len() > points.len() {
+            continue;
+        }
+        let found = fit_surface_with_progress(points, start, &options, progress)?;
+        let net = found.surface.control_points();
+        let size = net.iter().map(|p| (p - net[0]).amax()).fold(0.0, f64::max);
+        if found.report.fit.rms <= EXACT * size || found.report.fit.status == Status::Cancelled {
+            return Ok(Some(found));
+        }
+    }
+    Ok(None)
+}
+
 /// Fits a surface to points from where it is; `base` and `size` of the options are not looked at.
 ///
 /// # Errors
-/// As for [`fit`](crate::fit()); [`Error::Rational`] for a surface with weights.
+/// As for [`fit`](crate::fit()); [`Error::Rational`] for a surface with weights, unless these are unknowns
+/// ([`SurfaceOptions::rational`]).
 pub fn fit_surface(
     points: &[Vector3<f64>],
     initial: BsplineSurface,
@@ -221,6 +259,12 @@ pub fn fit_surface_with_progress(
     let target = Target::Points { points: &local, weights: None };
     let mut surface = initial.translated(&-middle)?;
     let (mut history, mut initial_rms, mut runs) = (Vec::new(), None, 0);
+    if options.rational && surface.weights().is_some() {
+        let folds = Folds::of(&surface);
+        let (found, status, steps) = improved(&local, surface, progress)?;
+        let report = found.report(None, status, steps);
+        return concluded(found.surface, found.frames, report, Run { runs: 1, folds }, options, &middle);
+    }
     loop {
         let shape = ActiveSurface::new(surface)?;
         let mut constraints = Constraints::none();
@@ -250,21 +294,46 @@ pub fn fit_surface_with_progress(
         (1..).zip(&mut history).for_each(|(number, step)| step.iteration = number);
         fitted.report.history = history;
         fitted.report.initial_rms = initial_rms.unwrap_or(fitted.report.rms);
-        let controls = [surface.knots_u().distinct_count(), surface.knots_v().distinct_count()];
-        let report = SurfaceReport {
-            folds,
-            fit: fitted.report,
-            base: None,
-            controls,
-            runs,
-            share_within,
-            within_tolerance: within,
-            dropped: 0,
-        };
-        let mut frames = fitted.frames;
-        frames.iter_mut().for_each(|frame| frame.foot += middle);
-        return Ok(SurfaceFit { surface: surface.translated(&middle)?, report, frames });
+        let (mut report, mut frames) = (fitted.report, fitted.frames);
+        if options.rational && report.status != Status::Cancelled {
+            let (found, status, steps) = improved(&local, surface.clone(), progress)?;
+            if found.rms() < report.rms {
+                report = found.report(Some(report), status, steps);
+                (surface, frames) = (found.surface, found.frames);
+            }
+        }
+        return concluded(surface, frames, report, Run { runs, folds }, options, &middle);
     }
+}
+
+/// What is known of a fit besides its last run.
+struct Run {
+    runs: usize,
+    folds: Folds,
+}
+
+/// The result in the coordinates of the points.
+fn concluded(
+    surface: BsplineSurface,
+    mut frames: Vec<PrincipalFrame<3>>,
+    fit: FitReport,
+    run: Run,
+    options: &SurfaceOptions,
+    middle: &Vector3<f64>,
+) -> Result<SurfaceFit, Error> {
+    let share_within = options.abs_tolerance.map(|tolerance| share_within(&frames, tolerance));
+    let report = SurfaceReport {
+        fit,
+        base: None,
+        controls: [surface.knots_u().distinct_count(), surface.knots_v().distinct_count()],
+        runs: run.runs,
+        share_within,
+        within_tolerance: share_within.is_none_or(|share| share >= options.share),
+        folds: run.folds,
+        dropped: 0,
+    };
+    frames.iter_mut().for_each(|frame| frame.foot += middle);
+    Ok(SurfaceFit { surface: surface.translated(middle)?, report, frames })
 }
 
 /// The options for a number of coefficients: of large nets the data are not asked for the smoothing, since that takes longer

@@ -6,6 +6,7 @@ mod edge;
 mod fit;
 mod folds;
 mod initial;
+mod rational;
 mod refine;
 
 pub use active::ActiveSurface;
@@ -15,3 +16,4 @@ pub use fit::{
 };
 pub use folds::Folds;
 pub use initial::{BaseShape, InitialSurface, NetSize, initial_surface};
+pub use refine::with_controls;

@@ -10,6 +10,45 @@ const SHARE: f64 = 0.35;
 /// Points that must lie along a span for it to be halved.
 const FEWEST: usize = 8;
 
+/// The same surface with as many control points in u and v (not counting repetitions) as are asked for: knots are inserted in the
+/// middle of the longest spans.
+///
+/// # Errors
+/// [`Error::Option`] when it has more of them already: knots of a surface that does not need them are removed by
+/// [`BsplineSurface::remove_all_within`].
+pub fn with_controls(surface: BsplineSurface, controls: [usize; 2]) -> Result<BsplineSurface, Error> {
+    let mut result = surface;
+    for (d, direction) in [Direction::U, Direction::V].into_iter().enumerate() {
+        let knots = [result.knots_u(), result.knots_v()][d];
+        let Some(missing) = controls[d].checked_sub(knots.distinct_count()) else {
+            let value = controls[d] as f64;
+            let allowed = "at least as many as the start has in each direction";
+            return Err(Error::Option { name: "controls", value, allowed });
+        };
+        let mut pieces: Vec<(f64, f64)> = knots
+            .spans()
+            .map(|span| knots.span_interval(span))
+            .map(|interval| (interval.start(), interval.end()))
+            .collect();
+        let mut new = Vec::with_capacity(missing);
+        for _ in 0..missing {
+            // The first of the longest, up to rounding, so that equal spans are halved one after the other.
+            let longest = pieces.iter().map(|(a, b)| b - a).fold(0.0, f64::max) * (1.0 - 1e-9);
+            let Some(at) = pieces.iter().position(|(a, b)| b - a >= longest) else { break };
+            let (a, b) = pieces[at];
+            let middle = 0.5 * (a + b);
+            new.push(middle);
+            pieces[at] = (a, middle);
+            pieces.insert(at + 1, (middle, b));
+        }
+        if !new.is_empty() {
+            new.sort_by(f64::total_cmp);
+            result = result.refine(direction, &new)?;
+        }
+    }
+    Ok(result)
+}
+
 /// The surface with a knot more in the middle of the spans along which points are further away than the tolerance ([YWS04]);
 /// `None` if no span can be halved under the cap of control points.
 ///
