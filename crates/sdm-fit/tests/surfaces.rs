@@ -297,7 +297,16 @@ fn quadrics_and_tori_are_exact_with_weights() {
         let r = 5.0 + 1.5 * b.cos();
         Vector3::new(r * a.cos(), r * a.sin(), 1.5 * b.sin())
     });
-    for (name, points, size) in [("cylinder", cylinder, 8.0), ("sphere", sphere, 5.0), ("torus", torus, 13.0)]
+    // In a spiral, and a hyperboloid of one sheet.
+    let turns: Vec<_> =
+        (0..500).map(|k| (f64::from(k) * 0.618_034 * TAU, (f64::from(k) + 0.5) / 500.0)).collect();
+    let round = |r: f64, a: f64, z: f64| Vector3::new(r * a.cos(), r * a.sin(), z);
+    let spiral = turns.iter().map(|&(a, h)| round(5.0, a, 12.0 * h)).collect();
+    let waist =
+        turns.iter().map(|&(a, h)| round((1.0 + (2.0 * h - 0.8).powi(2)).sqrt(), a, 2.0 * h - 0.8)).collect();
+    let more = [("spiral", spiral, 12.0), ("hyperboloid", waist, 3.0)];
+    for (name, points, size) in
+        more.into_iter().chain([("cylinder", cylinder, 8.0), ("sphere", sphere, 5.0), ("torus", torus, 13.0)])
     {
         let found = fit_cloud(&points, &SurfaceOptions::default().with_rational(true)).unwrap();
         assert!(found.report.fit.max <= 1e-9 * size, "{name}: {}", found.report);

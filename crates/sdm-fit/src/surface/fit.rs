@@ -22,8 +22,6 @@ const TRIFLE: f64 = 1e-6;
 const UNFOLDINGS: usize = 6;
 const UNFOLDING_STEPS: usize = 6;
 const STIFFER: f64 = 10.0;
-/// Iterations of the loop before weights are taken in, on arcs of conics.
-const CONIC_STEPS: usize = 20;
 
 /// How a cloud is made a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -211,9 +209,7 @@ fn conic(
     options: &SurfaceOptions,
     progress: Progress<'_>,
 ) -> Result<Option<SurfaceFit>, Error> {
-    let smoothing = Smoothing::Continuation { start: 1e-3, factor: 0.5, floor: 1e-6 };
-    let fit = options.fit.with_smoothing(smoothing).with_max_iterations(CONIC_STEPS);
-    let options = options.with_abs_tolerance(None).with_fit(fit);
+    let options = options.with_abs_tolerance(None);
     for start in conic_starts(points, base)? {
         if start.control_points().len() > points.len() {
             continue;

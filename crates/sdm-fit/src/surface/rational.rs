@@ -10,13 +10,14 @@ use crate::assemble::add_products;
 use crate::freedom::Freedom;
 use crate::iterate::Progress;
 use crate::layout::{Blocks, Layout, triangle};
-use crate::primitive::{PrimitiveOptions, fit_torus};
+use crate::primitive::{PrimitiveOptions, fit_cylinder, fit_torus};
 use crate::shape::CellTable;
 use crate::simd::vectorized;
 use crate::{Error, FitReport, Status, StepRecord, parallel};
 use distance_field::{DistanceField, Hint, PrincipalFrame, Search, SurfaceField};
 use nalgebra::{SVector, Vector3};
-use nurbs_core::{BsplineSurface, Interval, KnotVector, MAX_DEGREE, basis};
+use nurbs_core::{BsplineSurface, Cylinder, Interval, KnotVector, MAX_DEGREE, basis};
+use std::f64::consts::FRAC_1_SQRT_2;
 
 /// Steps at most.
 const STEPS: usize = 100;
@@ -28,6 +29,8 @@ const RANGE: f64 = 6.0;
 /// Share of the size below which a surface counts as exact, and is not improved further.
 pub(super) const EXACT: f64 = 1e-9;
 const ROUNDING: f64 = 1e-13;
+/// Share of an open direction by which a start reaches beyond the points.
+const MARGIN: f64 = 0.05;
 /// Arcs of which a full turn is made.
 const ARCS: usize = 4;
 
@@ -305,19 +308,67 @@ fn levers(surface: &BsplineSurface, spans: [usize; 2], parameter: [f64; 2]) -> V
 pub(super) fn conic_starts(points: &[Vector3<f64>], asked: BaseShape) -> Result<Vec<BsplineSurface>, Error> {
     let middle = points.iter().sum::<Vector3<f64>>() / points.len().max(1) as f64;
     let local: Vec<Vector3<f64>> = points.iter().map(|p| p - middle).collect();
-    let base = choose(&local, asked)?;
+    let mut base = choose(&local, asked)?;
+    // The starts reach beyond the points where they are open: points at an edge that gives way hold up the convergence.
+    let open = match base.shape {
+        BaseShape::Plane | BaseShape::Auto => [true, true],
+        BaseShape::Cylinder => [false, true],
+        BaseShape::Sphere | BaseShape::Torus => [false, false],
+    };
+    for parameter in &mut base.parameters {
+        for d in (0..2).filter(|&d| open[d]) {
+            parameter[d] = MARGIN + (1.0 - 2.0 * MARGIN) * parameter[d];
+        }
+    }
     let candidates = match base.shape {
         BaseShape::Cylinder => vec![[closed_arcs()?, line()?], [closed_arcs()?, arcs(1)?]],
         BaseShape::Sphere => vec![[closed_arcs()?, arcs(2)?]],
-        // From a net with kinks the way to a torus is long; the least squares torus is at hand.
-        BaseShape::Torus => {
-            let torus = fit_torus(&local, &PrimitiveOptions::default())?.shape;
-            return Ok(vec![torus.to_nurbs()?.translated(&middle)?]);
-        }
+        BaseShape::Torus => Vec::new(),
         BaseShape::Plane | BaseShape::Auto => vec![[arcs(1)?, arcs(1)?]],
     };
-    let of = |knots| Ok(approximate(&local, &base, knots)?.translated(&middle)?);
-    candidates.into_iter().map(of).collect()
+    // From a net with kinks the way to a cylinder or torus can be long, and least squares ones are at hand.
+    let mut starts: Vec<BsplineSurface> = Vec::new();
+    if let Some(primitive) = primitive(&local, base.shape) {
+        starts.push(primitive.translated(&middle)?);
+    }
+    let start = |knots: [KnotVector; 2]| -> Result<BsplineSurface, Error> {
+        Ok(with_arc_weights(approximate(&local, &base, knots)?)?.translated(&middle)?)
+    };
+    for knots in candidates {
+        starts.push(start(knots)?);
+    }
+    Ok(starts)
+}
+
+/// The least squares cylinder (a little longer than the points) or torus.
+fn primitive(points: &[Vector3<f64>], shape: BaseShape) -> Option<BsplineSurface> {
+    let options = PrimitiveOptions::default();
+    match shape {
+        BaseShape::Torus => fit_torus(points, &options).ok()?.shape.to_nurbs().ok(),
+        BaseShape::Cylinder => {
+            let cylinder = fit_cylinder(points, &options).ok()?.shape;
+            let heights = points.iter().map(|p| cylinder.frame().local(p).z);
+            let (low, high) =
+                heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), z| (l.min(z), h.max(z)));
+            let margin = MARGIN * (high - low);
+            let heights = Interval::new(low - margin, high + margin).ok()?;
+            Cylinder::new(*cylinder.frame(), cylinder.radius(), heights).ok()?.to_nurbs().ok()
+        }
+        BaseShape::Plane | BaseShape::Sphere | BaseShape::Auto => None,
+    }
+}
+
+/// The surface with the weights of circles where knots are those of several arcs: every second control point lies between the
+/// ends of an arc of a quarter turn.
+fn with_arc_weights(surface: BsplineSurface) -> Result<BsplineSurface, Error> {
+    let [along_u, along_v] = [surface.knots_u(), surface.knots_v()].map(|knots| {
+        let quarters = knots.degree() == 2 && knots.spans().count() > 1;
+        let weight = |i: usize| if quarters && i % 2 == 1 { FRAC_1_SQRT_2 } else { 1.0 };
+        (0..knots.basis_count()).map(weight).collect::<Vec<_>>()
+    });
+    let (u, v, net, _) = surface.into_parts();
+    let weights = along_u.iter().flat_map(|a| along_v.iter().map(move |b| a * b)).collect();
+    Ok(BsplineSurface::new(u, v, net, Some(weights))?)
 }
 
 fn line() -> Result<KnotVector, Error> {
