@@ -82,6 +82,25 @@ const GROUPS: &[(&str, &str, &str)] = &[
         "From starts a hundredth of the domain away to full convergence (1e-12), with all safeguards.",
     ),
     (
+        "frames",
+        "Distance fields: principal frames",
+        "Per query: foot, axes and principal curvatures, what a step of a registration or a fit asks of a shape for each point; on \
+         all threads.",
+    ),
+    (
+        "models",
+        "Distance fields: quadratic models",
+        "Per query: the quadratic model of the squared distance, from frames.",
+    ),
+    (
+        "register",
+        "Registration",
+        "Per registration of that many points from 10 degrees away, with the default settings; and the preparation of a cloud as a \
+         shape to register to.",
+    ),
+    ("start", "Coarse start", "Per search without an initial pose, and its preparation for a model."),
+    ("views", "Many views", "Per registration of all views, without initial poses."),
+    (
         "curve-fit",
         "Fits of curves",
         "Per point and iteration, a projection onto the curve and its share of the normal equations, of their solution and of all \

@@ -6,6 +6,7 @@ mod bench;
 mod convergence;
 mod examples;
 mod generated;
+mod measure;
 mod paper_tables;
 mod tidy;
 mod workspace;
@@ -28,6 +29,12 @@ const COMMANDS: &[Command] = &[
         arguments: "[--quick] [--report-only]",
         about: "run all benchmarks and write docs/benchmarks.md; --report-only takes the results of the last run",
         run: bench::run,
+    },
+    Command {
+        name: "measure",
+        arguments: "[NAME…]",
+        about: "run the examples that measure the goals of the project, all or those named, and write docs/measurements.md",
+        run: measure::run,
     },
     Command {
         name: "tidy",

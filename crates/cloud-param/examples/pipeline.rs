@@ -2,10 +2,10 @@
 //! `cargo run --release -p cloud-param --example pipeline -- POINTS.xyz [N_U N_V] [SHAPE]`.
 
 use cloud_param::{
-    FitOptions, ParameteriseOptions, Shape, SurfaceDefects, finish_fit, fit_parameters, parameterise,
+    FitOptions, ParameteriseOptions, Shape, SurfaceDefects, finish_fit, finish_options, fit_parameters,
+    parameterise,
 };
 use nalgebra::Vector3;
-use sdm_fit::SurfaceOptions;
 use std::error::Error;
 use std::time::Instant;
 
@@ -74,15 +74,16 @@ fn main() -> Result<(), Box<dyn Error>> {
         SurfaceDefects::of(&fit.surface, None)
     );
     let began = Instant::now();
-    let mut sdm = SurfaceOptions::default();
-    sdm.fit = sdm.fit.with_max_iterations(20);
-    let (done, report) = finish_fit(&points, &found.counts, fit, &sdm)?;
+    let (done, report) = finish_fit(&points, &found.counts, fit, &finish_options())?;
     println!(
-        "  sdm rms {:.5} max {:.4} in {:.2} s: {report}, {:?}",
-        done.rms,
+        "  sdm {}: rms {:.5?} {:?}, max {:.4}, moved back {:.4}, {:.2} s: {}",
+        report.outcome.name(),
+        report.rms,
+        report.defects,
         done.max,
+        report.moved_back,
         began.elapsed().as_secs_f64(),
-        SurfaceDefects::of(&done.surface, None)
+        report.minimisation
     );
     Ok(())
 }

@@ -46,7 +46,10 @@ pub use curves::{
 pub use defects::{SurfaceDefects, self_loops};
 pub use directed::{DirectedFoot, DirectedOptions, DirectedWeight, project_directed};
 pub use error::Error;
-pub use fit::{FitOptions, SurfaceFit, finish_fit, fit_parameters};
+pub use fit::{
+    FinishOutcome, FinishReport, FitOptions, SurfaceFit, finish_fit, finish_fit_with_progress,
+    finish_options, fit_parameters,
+};
 pub use frame::AxisFrame;
 pub use hull::ConvexHull;
 pub use multilevel::{

@@ -1,14 +1,11 @@
 //! The distance from the surface that a dense cloud of points samples.
 
-use crate::local_geometry::{of_point, of_principal, tangents};
+use crate::local_geometry::{of_point, of_principal};
 use crate::osculating::frame_nearby;
 use crate::{DistanceField, Error, Hint, PrincipalFrame, Search};
 use footpoint::Status;
-use mesh_core::{
-    CloudIndex, CurvatureFrame, CurvatureOptions, Neighbour, NormalOptions, estimate_curvature,
-    estimate_normals,
-};
-use nalgebra::{Point3, Vector3};
+use mesh_core::{CloudIndex, CurvatureFrame, FrameOptions, Neighbour, estimate_frames};
+use nalgebra::{Point3, Vector2, Vector3};
 use nurbs_core::Aabb;
 
 /// Points around one that tell whether the cloud goes on in all directions.
@@ -114,27 +111,17 @@ impl CloudField {
         // Relative to the centre: estimates square the coordinates.
         let centre = bounds.centre();
         let local: Vec<Point3<f64>> = points.iter().map(|p| p - centre).collect();
-        let estimated = match normals {
-            None => {
-                let normals = NormalOptions::default().with_neighbours(options.neighbours.max(3));
-                Some(estimate_normals(&local, &normals)?.normals)
-            }
-            Some(_) => None,
-        };
-        let normals = normals.or(estimated.as_deref());
-        let frames = if options.curvature {
-            let curvature = CurvatureOptions::default().with_neighbours(options.neighbours);
-            estimate_curvature(&local, normals, &curvature)?.frames
-        } else {
-            vec![None; points.len()]
-        };
         let index = CloudIndex::new(&local)?;
-        let patches = index.map_nearest_n(&local, RING, |i, near| {
-            let plane = || normals.and_then(|normals| plane_frame(normals.get(i)?));
-            let frame = frames[i].or_else(plane);
-            let border = frame.is_none_or(|frame| is_border(&local, i, near, &frame));
-            Patch { point: local[i].coords, frame, spacing: spacing(near), border }
-        });
+        let frames =
+            FrameOptions { neighbours: options.neighbours, looked_at: RING, curvature: options.curvature };
+        let (frames, around) = estimate_frames(&index, &local, normals, &frames, |i, near, frame| {
+            let near = &near[..near.len().min(RING)];
+            let border = frame.is_none_or(|frame| is_border(&local, i, near, frame));
+            (spacing(near), border)
+        })?;
+        let patches = (local.iter().zip(frames).zip(around))
+            .map(|((point, frame), (spacing, border))| Patch { point: point.coords, frame, spacing, border })
+            .collect();
         Ok(Self { index, centre, patches, bounds })
     }
 
@@ -145,12 +132,6 @@ impl CloudField {
     }
 }
 
-/// A frame without curvature; `None` for a normal without direction.
-fn plane_frame(normal: &Vector3<f64>) -> Option<CurvatureFrame> {
-    let normal = normal.try_normalize(f64::MIN_POSITIVE).filter(|n| n.iter().all(|c| c.is_finite()))?;
-    Some(CurvatureFrame { normal, curvatures: [0.0; 2], directions: tangents(&normal) })
-}
-
 /// The distance within which a point has some six neighbours.
 fn spacing(near: &[Neighbour]) -> f64 {
     near.get(6).or(near.last()).map_or(0.0, Neighbour::distance)
@@ -159,14 +140,27 @@ fn spacing(near: &[Neighbour]) -> f64 {
 /// Whether the neighbours leave a large angle of the tangent plane free.
 fn is_border(points: &[Point3<f64>], i: usize, near: &[Neighbour], frame: &CurvatureFrame) -> bool {
     let [x, y] = frame.directions;
-    let mut angles: Vec<f64> = (near.iter().filter(|n| n.distance_sq > 0.0))
-        .map(|n| points[n.index] - points[i])
-        .map(|d| d.dot(&y).atan2(d.dot(&x)))
+    let others = near.iter().filter(|n| n.distance_sq > 0.0);
+    let mut around: Vec<(f64, Vector2<f64>)> = (others.map(|n| points[n.index] - points[i]))
+        .map(|d| Vector2::new(d.dot(&x), d.dot(&y)))
+        .map(|d| (turn(&d), d))
         .collect();
-    angles.sort_by(f64::total_cmp);
-    let Some((first, last)) = angles.first().zip(angles.last()) else { return true };
-    let around = first + std::f64::consts::TAU - last;
-    angles.windows(2).map(|pair| pair[1] - pair[0]).fold(around, f64::max) > BORDER_GAP
+    around.sort_by(|one, other| one.0.total_cmp(&other.0));
+    let (Some(first), Some(last)) = (around.first(), around.last()) else { return true };
+    let widest = BORDER_GAP.cos();
+    // Up to half a turn the cosine tells the angle; `ahead` is 2 there.
+    let wide = |ahead: f64, from: &Vector2<f64>, to: &Vector2<f64>| {
+        ahead > 2.0 || from.dot(to) < widest * (from.norm_squared() * to.norm_squared()).sqrt()
+    };
+    around.len() == 1
+        || wide(first.0 + 4.0 - last.0, &last.1, &first.1)
+        || around.windows(2).any(|pair| wide(pair[1].0 - pair[0].0, &pair[0].1, &pair[1].1))
+}
+
+/// A number that grows with the angle of a vector from −2 to 2, by 2 in every half turn.
+fn turn(d: &Vector2<f64>) -> f64 {
+    let share = d.x / (d.x.abs() + d.y.abs());
+    if d.y < 0.0 { share - 1.0 } else { 1.0 - share }
 }
 
 impl CloudField {

@@ -7,7 +7,10 @@ use footpoint::{
     UpdateOptions, no_progress,
 };
 use nalgebra::{Vector2, Vector3};
-use nurbs_core::{BsplineCurve, BsplineSurface, Cylinder, Frame, Interval, KnotVector, Sphere, Torus};
+use nurbs_core::{
+    BsplineCurve, BsplineSurface, Cylinder, Frame, Interval, KnotVector, ParametricCurve, ParametricSurface,
+    Sphere, Torus,
+};
 
 fn noise(i: usize, step: f64) -> f64 {
     (i as f64 * step).fract()
@@ -104,7 +107,6 @@ fn one_step_is_never_worse_and_many_of_them_converge() {
                 assert!(((foot.point - moved[i]).norm() - foot.distance).abs() < 1e-14);
             }
         }
-        // A walk in one go stops at a kink; one that starts anew for every step may cross it, and come nearer.
         let reached = feet.iter().zip(&goal).filter(|(a, b)| a.distance <= b.distance + 1e-9).count();
         let converged = feet.iter().filter(|foot| foot.status.is_converged()).count();
         assert!(reached >= 995 && converged >= 995, "{reached} {converged}");
@@ -186,5 +188,96 @@ fn curves_are_updated_like_surfaces() {
             projector.update_many(&[moved[0], moved[0], Vector2::repeat(f64::NAN)], &invalid).unwrap();
         assert!(updated.iter().all(|foot| foot.status == Status::InvalidPoint));
         assert!(projector.update_many(&moved, &feet[..1]).is_err());
+    }
+}
+
+/// A gabled roof: two planes that meet in a ridge at x = 1, of degree 1 across it.
+fn roof() -> BsplineSurface {
+    let across = KnotVector::new(1, vec![0.0, 0.0, 1.0, 2.0, 2.0]).unwrap();
+    let along = KnotVector::bezier(1, Interval::UNIT).unwrap();
+    let net = [[0., 0., 0.], [0., 1., 0.], [1., 0., 1.], [1., 1., 1.], [2., 0., 0.], [2., 1., 0.]];
+    BsplineSurface::new(across, along, net.map(Vector3::from).to_vec(), None).unwrap()
+}
+
+#[test]
+fn walks_cross_a_ridge_or_stay_on_it() {
+    let surface = roof();
+    let projector = SurfaceProjector::new(&surface);
+    for i in 0..400 {
+        let x = Vector3::new(2.0 * noise(i, 0.7548), noise(i, 0.5698), 2.5 * noise(i, 0.4301));
+        let best = projector.project(&x);
+        for start in [0.0, 0.3, 1.0, 1.7, 2.0] {
+            let foot = projector.project_from(&x, 0, [start, 0.4]);
+            assert!(foot.status.is_converged(), "{x:?} from {start}: {foot}");
+            // Below the ridge both slopes have a foot, and the walk may end on either: no place around it is nearer.
+            let [u, v] = foot.parameter;
+            for [du, dv] in [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0], [0.7, 0.7], [-0.7, 0.7]] {
+                let beside = surface.point((u + 1e-6 * du).clamp(0.0, 2.0), (v + 1e-6 * dv).clamp(0.0, 1.0));
+                assert!((beside - x).norm() >= foot.distance - 1e-12, "{x:?} from {start}: {foot}");
+            }
+            if x.z > 1.0 - (x.x - 1.0).abs() {
+                assert!((foot.distance - best.distance).abs() < 1e-12, "{x:?} from {start}: {foot}, {best}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_limit_on_steps_is_told_where_a_kink_is_left() {
+    let projector = SurfaceProjector::new(&roof());
+    // The foot of the old point lies on the ridge; that of the new one on the far slope.
+    let mut feet = vec![projector.project(&Vector3::new(1.0, 0.5, 2.0)); 20];
+    let points = vec![Vector3::new(0.25, 0.5, 0.75); 20];
+    let one = UpdateOptions::default().with_max_steps(1);
+    projector.update_in_place(&points, &mut feet, &one).unwrap();
+    for foot in &feet {
+        assert!((foot.parameter[0] - 0.5).abs() < 1e-12 && foot.status == Status::Converged, "{foot}");
+    }
+    // From the far slope one step leads to the ridge only, and that is no foot.
+    let mut feet = vec![projector.project(&Vector3::new(1.6, 0.5, 0.5)); 20];
+    projector.update_in_place(&points, &mut feet, &one).unwrap();
+    assert!(feet.iter().all(|foot| foot.parameter[0] == 1.0 && !foot.status.is_converged()), "{}", feet[0]);
+    projector.update_in_place(&points, &mut feet, &one).unwrap();
+    assert!(feet.iter().all(|foot| foot.status == Status::Converged), "{}", feet[0]);
+}
+
+#[test]
+fn walks_from_a_pole_leave_on_the_right_meridian() {
+    let sphere = Sphere::new(Frame::WORLD, 0.7).unwrap().to_nurbs().unwrap();
+    let projector = SurfaceProjector::new(&sphere);
+    let [top, bottom] = [1.0, -1.0].map(|z| projector.project(&Vector3::new(0.0, 0.0, z)));
+    for i in 0..200 {
+        let x = Vector3::new(noise(i, 0.7548) - 0.5, noise(i, 0.5698) - 0.5, noise(i, 0.4301) - 0.5);
+        for start in [&top, &bottom] {
+            for turn in 0..5 {
+                let u = 0.25 * f64::from(turn);
+                let foot = projector.project_from(&x, 0, [u * domain_u(&sphere), start.parameter[1]]);
+                assert!(foot.status.is_converged(), "{x:?}: {foot}");
+                assert!((foot.distance - (0.7 - x.norm()).abs()).abs() < 1e-12, "{x:?} from {start}: {foot}");
+            }
+        }
+    }
+}
+
+fn domain_u(surface: &BsplineSurface) -> f64 {
+    surface.knots_u().domain().end()
+}
+
+#[test]
+fn walks_on_a_polygon_turn_its_corners() {
+    let knots = KnotVector::new(1, vec![0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 4.0]).unwrap();
+    let square = [[0., 0.], [1., 0.], [1., 1.], [0., 1.], [0., 0.]].map(Vector2::from).to_vec();
+    let curve = BsplineCurve::new(knots, square, None).unwrap();
+    let projector = CurveProjector::new(&curve);
+    for i in 0..400 {
+        let x = Vector2::new(3.0 * noise(i, 0.7548) - 1.0, 3.0 * noise(i, 0.5698) - 1.0);
+        for start in [0.0, 0.5, 1.0, 1.5, 2.0, 3.7, 4.0] {
+            let foot = projector.project_from(&x, 0, start);
+            assert!(foot.status.is_converged(), "{x:?} from {start}: {foot}");
+            for step in [1e-6, -1e-6] {
+                let beside = curve.point((foot.parameter + step).rem_euclid(4.0));
+                assert!((beside - x).norm() >= foot.distance - 1e-12, "{x:?} from {start}: {foot}");
+            }
+        }
     }
 }

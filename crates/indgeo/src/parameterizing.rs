@@ -7,11 +7,14 @@ use crate::points::Points;
 use crate::progress::Progress;
 use crate::report::{Input, Output, Report, Results, Timings};
 use industrial_geometry::cloud_param::{
-    self, FitOptions, Parameterisation, ParameteriseOptions, ParameteriseReport, Stage, SurfaceDefects,
-    SurfaceFit, fit_parameters, parameterise_with_progress,
+    self, FinishOutcome, FinishReport, FitOptions, Parameterisation, ParameteriseOptions, ParameteriseReport,
+    Stage, SurfaceDefects, SurfaceFit, finish_fit_with_progress, finish_options, fit_parameters,
+    parameterise_with_progress,
 };
+use industrial_geometry::fit::StepRecord;
 use industrial_geometry::io::{self, Model, WriteOptions};
 use industrial_geometry::nurbs::BsplineSurface;
+use industrial_geometry::nurbs::nalgebra::Vector3;
 use serde::Serialize;
 use std::path::Path;
 
@@ -30,6 +33,8 @@ pub(crate) struct Job<'a> {
     pub(crate) options: ParameteriseOptions,
     /// Options of the fit.
     pub(crate) fit: FitOptions,
+    /// Whether the fit is finished by squared distance minimisation.
+    pub(crate) finish: bool,
     /// Whether nobody wants to watch.
     pub(crate) quiet: bool,
 }
@@ -49,7 +54,7 @@ pub(crate) struct ParameterResults {
 pub(crate) struct FitResults {
     /// Control points in u (different ones) and v.
     pub(crate) control_points: [usize; 2],
-    /// Root mean square orthogonal distance after the fit and after each correction.
+    /// Root mean square orthogonal distance after the fit, after each correction and after the finish.
     pub(crate) history: Vec<f64>,
     /// Root mean square orthogonal distance at the end.
     pub(crate) rms: f64,
@@ -59,6 +64,27 @@ pub(crate) struct FitResults {
     pub(crate) used: usize,
     /// What is wrong with the surface.
     pub(crate) defects: SurfaceDefects,
+    /// The least squares surface before the finish.
+    pub(crate) least_squares: LeastSquares,
+    /// How the finish went, if there was one.
+    pub(crate) finish: Option<FinishReport>,
+}
+
+/// A least squares surface in numbers.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct LeastSquares {
+    /// Root mean square orthogonal distance.
+    pub(crate) rms: f64,
+    /// Largest orthogonal distance.
+    pub(crate) max: f64,
+    /// What is wrong with it.
+    pub(crate) defects: SurfaceDefects,
+}
+
+impl LeastSquares {
+    pub(crate) fn of(fit: &SurfaceFit) -> Self {
+        Self { rms: fit.rms, max: fit.max, defects: SurfaceDefects::of(&fit.surface, None) }
+    }
 }
 
 /// Does the job and fills in the report; returns whether the base surface is as it should be.
@@ -89,16 +115,11 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
     let found =
         Timings::measure(&mut timings.compute, || parameterise_with_progress(&cloud, &job.options, &tell))
             .map_err(failed)?;
+    drop(progress);
     let fitted = match job.fitted {
-        Some(_) => Some(
-            Timings::measure(&mut timings.compute, || {
-                fit_parameters(&cloud, &found.base, &found.feet, &found.counts, &job.fit)
-            })
-            .map_err(failed)?,
-        ),
+        Some(_) => Some(Timings::measure(&mut timings.compute, || fit(job, &cloud, &found)).map_err(failed)?),
         None => None,
     };
-    drop(progress);
     warn(job, &found.report, report);
 
     let mut seconds = 0.0;
@@ -107,7 +128,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
             surface(path, &found.base, "base surface", report)?;
         }
         if let (Some(path), Some(fit)) = (job.fitted, &fitted) {
-            surface(path, &fit.surface, "fitted surface", report)?;
+            surface(path, &fit.0.surface, "fitted surface", report)?;
         }
         if let Some((path, format)) = format {
             let table =
@@ -122,6 +143,9 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
     report.timings = timings;
     let converged = found.is_converged();
     let results = results(found, fitted, job.fit);
+    if let Some(finish) = results.fit.as_ref().and_then(|fit| fit.finish.as_ref()) {
+        kept(finish, report);
+    }
     let folded = results.fit.as_ref().map_or(0, |fit| fit.defects.crossovers);
     if folded > 0 {
         report.warnings.push(format!(
@@ -134,14 +158,52 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
 
 const ADVICE: &str = "see `indgeo parameterize --help`, and check the file with `indgeo info`";
 
-fn results(found: Parameterisation, fitted: Option<SurfaceFit>, options: FitOptions) -> ParameterResults {
-    let fit = fitted.map(|fit| FitResults {
+/// A fitted surface, what it was before the finish, and how that went.
+type Fitted = (SurfaceFit, LeastSquares, Option<FinishReport>);
+
+fn fit(
+    job: &Job<'_>,
+    cloud: &[Vector3<f64>],
+    found: &Parameterisation,
+) -> Result<Fitted, cloud_param::Error> {
+    let fit = fit_parameters(cloud, &found.base, &found.feet, &found.counts, &job.fit)?;
+    let least_squares = LeastSquares::of(&fit);
+    if !job.finish {
+        return Ok((fit, least_squares, None));
+    }
+    let progress = Progress::new("finishing", job.quiet);
+    let tell = |_: &StepRecord| progress.tick();
+    let (fit, finish) = finish_fit_with_progress(cloud, &found.counts, fit, &finish_options(), &tell)?;
+    Ok((fit, least_squares, Some(finish)))
+}
+
+/// Says when a finish was not taken.
+pub(crate) fn kept(finish: &FinishReport, report: &mut Report) {
+    let why = match finish.outcome {
+        FinishOutcome::KeptSinceFolded => {
+            format!("it would fold in {} cells", finish.defects[2].crossovers)
+        }
+        FinishOutcome::KeptSinceNoNearer => {
+            format!("the rms distance would be {:.6e} instead of {:.6e}", finish.rms[1], finish.rms[0])
+        }
+        FinishOutcome::Cancelled => "it was interrupted".to_owned(),
+        _ => return,
+    };
+    report.warnings.push(format!(
+        "the least squares surface was kept as it is, since the finish made it no better: {why}; more control points may help"
+    ));
+}
+
+fn results(found: Parameterisation, fitted: Option<Fitted>, options: FitOptions) -> ParameterResults {
+    let fit = fitted.map(|(fit, least_squares, finish)| FitResults {
         control_points: options.control_points,
         defects: SurfaceDefects::of(&fit.surface, None),
         history: fit.history,
         rms: fit.rms,
         max: fit.max,
         used: fit.used,
+        least_squares,
+        finish,
     });
     ParameterResults { found: found.report, fit }
 }

@@ -6,14 +6,21 @@ use crate::error::Error;
 use crate::files;
 use crate::report::Report;
 use crate::threads;
-use industrial_geometry::io::AtomicFile;
+use industrial_geometry::io::{AtomicFile, remove_unfinished};
 use std::io::Write;
 use std::path::Path;
 use std::process::ExitCode;
 
+/// The exit status of a program that was interrupted: 128 and the number of the signal.
+const INTERRUPTED: i32 = 130;
+
 /// Runs the command that was asked for.
 pub(crate) fn run(cli: &Cli) -> ExitCode {
     let common = &cli.common;
+    if let Err(error) = ctrlc::set_handler(interrupted) {
+        let _ =
+            writeln!(std::io::stderr(), "warning: an interrupt will leave temporary files behind: {error}");
+    }
     let mut report =
         Report { command: cli.command.name(), version: env!("CARGO_PKG_VERSION"), ..Report::default() };
     let json_file = common.json.as_deref().filter(|path| !files::is_stream(path));
@@ -40,6 +47,13 @@ pub(crate) fn run(cli: &Cli) -> ExitCode {
         }
         Err(error) => fail(&error),
     }
+}
+
+/// Ends the program when the user or the system asks for it, without half-written output.
+fn interrupted() {
+    remove_unfinished();
+    let _ = writeln!(std::io::stderr(), "interrupted: no output was written");
+    std::process::exit(INTERRUPTED);
 }
 
 /// Makes sure that the report can be written and takes the place of no other file of the command.

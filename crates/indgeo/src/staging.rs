@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug)]
 pub(crate) struct Staging {
     target: PathBuf,
-    waiting: PathBuf,
+    waiting: io::Unfinished,
     made_target: bool,
     names: Vec<PathBuf>,
     done: bool,
@@ -25,16 +25,16 @@ impl Staging {
         if made_target {
             fs::create_dir_all(target).map_err(|source| failed(target, source))?;
         }
-        let waiting = target.join(format!(".indgeo-{}.tmp", std::process::id()));
+        let waiting = io::Unfinished::new(target.join(format!(".indgeo-{}.tmp", std::process::id())));
         let out = Self { target: target.to_path_buf(), waiting, made_target, names: Vec::new(), done: false };
-        fs::create_dir(&out.waiting).map_err(|source| failed(&out.waiting, source))?;
+        fs::create_dir(out.waiting.path()).map_err(|source| failed(out.waiting.path(), source))?;
         Ok(out)
     }
 
     /// Where a file that is to become `target` waits.
     pub(crate) fn path(&mut self, target: &Path) -> PathBuf {
         let name = PathBuf::from(target.file_name().unwrap_or_default());
-        let path = self.waiting.join(&name);
+        let path = self.waiting.path().join(&name);
         self.names.push(name);
         path
     }
@@ -43,7 +43,8 @@ impl Staging {
     pub(crate) fn commit(mut self) -> Result<(), Error> {
         for name in &self.names {
             let place = self.target.join(name);
-            fs::rename(self.waiting.join(name), &place).map_err(|source| Error::write(&place, source))?;
+            fs::rename(self.waiting.path().join(name), &place)
+                .map_err(|source| Error::write(&place, source))?;
         }
         self.done = true;
         Ok(())
@@ -53,7 +54,7 @@ impl Staging {
 impl Drop for Staging {
     fn drop(&mut self) {
         // Nothing is left to be done about a failure here.
-        let _ = fs::remove_dir_all(&self.waiting);
+        let _ = fs::remove_dir_all(self.waiting.path());
         if self.made_target && !self.done {
             let _ = fs::remove_dir(&self.target);
         }

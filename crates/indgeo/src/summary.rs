@@ -238,6 +238,18 @@ fn write_parameters(text: &mut String, report: &Report, results: &ParameterResul
             plain(fit.rms),
             plain(fit.max)
         )?;
+        if let Some(finish) = &fit.finish {
+            let least_squares = &fit.least_squares;
+            writeln!(
+                text,
+                "  finish    {}: rms {} -> {}, folds {} -> {}",
+                finish.outcome.name().replace('_', " "),
+                plain(least_squares.rms),
+                plain(fit.rms),
+                least_squares.defects.crossovers,
+                fit.defects.crossovers
+            )?;
+        }
     }
     write_end(text, report)
 }

@@ -169,3 +169,41 @@ fn an_old_result_survives_a_failure() {
     failure(&bench, "project model.json nowhere.xyz -o out.csv");
     assert_eq!(bench.text("out.csv"), "precious");
 }
+
+/// A program that waits for its input is told to stop.
+#[cfg(unix)]
+#[test]
+fn an_interrupt_leaves_nothing_behind() {
+    use std::io::Read;
+    use std::process::{Command, Stdio};
+    let bench = Bench::new();
+    for signal in ["INT", "TERM"] {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_indgeo"))
+            .args(["convert", "-", "points.csv"])
+            .current_dir(bench.path(""))
+            .stdin(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        // Until the program has set its handler, the signal ends it at once; ask it until it answers itself.
+        let asked = std::time::Instant::now();
+        let status = loop {
+            std::thread::sleep(std::time::Duration::from_millis(200));
+            let kill = Command::new("kill").args([&format!("-{signal}"), &child.id().to_string()]).status();
+            assert!(kill.unwrap().success());
+            std::thread::sleep(std::time::Duration::from_millis(100));
+            if let Some(status) = child.try_wait().unwrap() {
+                break status;
+            }
+            assert!(asked.elapsed().as_secs() < 20, "it goes on");
+        };
+        let mut message = String::new();
+        child.stderr.take().unwrap().read_to_string(&mut message).unwrap();
+        assert_eq!(
+            (status.code(), message.as_str()),
+            (Some(130), "interrupted: no output was written\n"),
+            "{signal}"
+        );
+        assert_eq!(bench.files(), Vec::<String>::new());
+    }
+}

@@ -36,7 +36,11 @@ fn a_vase_gets_parameters_and_a_surface() {
     let results = &report["results"];
     assert_eq!((&report["command"], &results["status"]), (&"parameterize".into(), &"converged".into()));
     assert_eq!(results["defects"]["crossovers"], 0);
-    assert!(results["fit"]["rms"].as_f64().unwrap() < 0.01, "{results}");
+    let fit = &results["fit"];
+    assert!(fit["rms"].as_f64().unwrap() < 0.01, "{results}");
+    assert!(fit["rms"].as_f64().unwrap() <= fit["least_squares"]["rms"].as_f64().unwrap(), "{fit}");
+    assert_eq!((&fit["defects"]["crossovers"], &fit["finish"]["outcome"]), (&0.into(), &"finished".into()));
+    assert!(run.stdout.contains("finish    finished: rms "), "{}", run.stdout);
     assert!(
         results["times"].as_array().unwrap().len() >= 5
             && results["curve_history"].as_array().unwrap().len() >= 2
@@ -52,6 +56,28 @@ fn a_vase_gets_parameters_and_a_surface() {
     assert_eq!(run.code, 0, "{}", run.stderr);
     let base = bench.text("base.json");
     assert!(base.contains("\"periodic_u\""));
+}
+
+#[test]
+fn the_finish_can_be_left_out() {
+    let bench = Bench::new();
+    bench.put("scan.xyz", vase(1.0));
+    let run = bench.run("parameterize scan.xyz --fit fitted.json --control-points 12,9 --no-finish --json -");
+    assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+    let fit = &run.report()["results"]["fit"];
+    assert!(fit["finish"].is_null() && fit["rms"] == fit["least_squares"]["rms"], "{fit}");
+}
+
+/// Flanks of a thread lie steeper than a right angle to each other, which is no fold.
+#[test]
+fn the_thread_of_a_bolt_is_fitted_without_folds() {
+    let bench = Bench::new();
+    let scan = fixture("scans/stud-bolt.ply");
+    let run = bench.run(&format!("parameterize {scan} --fit bolt.json --control-points 20,60 --json -"));
+    assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+    let fit = &run.report()["results"]["fit"];
+    let [before, after] = [&fit["least_squares"]["rms"], &fit["rms"]].map(|rms| rms.as_f64().unwrap());
+    assert!(after < 0.5 * before && after < 0.05 && fit["defects"]["crossovers"] == 0, "{fit}");
 }
 
 #[test]

@@ -54,7 +54,10 @@ pub use bounds::BoundingBox;
 pub use closest::{MeshFootpoint, MeshProjector};
 pub use cloud::PointCloud;
 pub use cloud_index::{CloudIndex, Neighbour};
-pub use curvature::{CloudCurvature, CurvatureFrame, CurvatureOptions, MeshCurvature, estimate_curvature};
+pub use curvature::{
+    CloudCurvature, CurvatureFrame, CurvatureOptions, FrameOptions, MeshCurvature, estimate_curvature,
+    estimate_frames,
+};
 pub use error::Error;
 pub use half_edge::{Defects, HalfEdge, HalfEdgeMesh};
 pub use line_hit::LineHit;

@@ -197,3 +197,60 @@ fn degenerate_input_has_none() {
     .unwrap();
     assert_eq!(MeshCurvature::new(&mesh).smoothed(2).undefined(), 4);
 }
+
+#[test]
+fn frames_in_one_walk_are_those_of_two() {
+    // A bumpy sphere, with a few useless points.
+    let mut points: Vec<Point3<f64>> = (0..3000)
+        .map(|i| (f64::from(i) + 0.5, f64::from(i) * 2.399_963))
+        .map(|(i, turn)| (1.0 - i / 1500.0, turn))
+        .map(|(z, turn)| {
+            Vector3::new(turn.cos() * (1.0 - z * z).sqrt(), turn.sin() * (1.0 - z * z).sqrt(), z)
+        })
+        .map(|n| Point3::from(n * (2.0 + 0.1 * (5.0 * n.x).sin() * (4.0 * n.y).cos())))
+        .collect();
+    points[17].x = f64::NAN;
+    points[900] = points[901];
+    let index = mesh_core::CloudIndex::new(&points).unwrap();
+    let options = mesh_core::FrameOptions::default();
+    let (frames, seen) = mesh_core::estimate_frames(&index, &points, None, &options, |i, near, frame| {
+        (i, near.len(), frame.is_some())
+    })
+    .unwrap();
+    let normals =
+        mesh_core::estimate_normals(&points, &mesh_core::NormalOptions::default().with_neighbours(24))
+            .unwrap()
+            .normals;
+    let curvature = estimate_curvature(&points, Some(&normals), &CurvatureOptions::default()).unwrap();
+    for (i, frame) in frames.iter().enumerate() {
+        assert_eq!(seen[i], (i, if i == 17 { 0 } else { 24 }, i != 17));
+        match (frame, &curvature.frames[i]) {
+            (Some(one), Some(two)) => {
+                assert!(
+                    (one.normal - two.normal).norm() < 1e-12 && one.normal.dot(&points[i].coords) > 0.0,
+                    "{i}"
+                );
+                assert!((one.tensor() - two.tensor()).norm() < 1e-9, "{i}: {one:?} {two:?}");
+            }
+            (one, two) => assert!(one.is_none() && two.is_none() && i == 17, "{i}"),
+        }
+    }
+    // Given normals tell the sides, and are the frames where no curvature is wanted.
+    let inwards: Vec<_> = normals.iter().map(|n| -n).collect();
+    let (frames, _) =
+        mesh_core::estimate_frames(&index, &points, Some(&inwards), &options, |_, _, _| ()).unwrap();
+    assert!(
+        frames.iter().zip(&inwards).all(|(frame, n)| frame.is_none_or(|frame| frame.normal.dot(n) > 0.9))
+    );
+    let flat = mesh_core::FrameOptions { curvature: false, ..options };
+    let (frames, _) =
+        mesh_core::estimate_frames(&index, &points, Some(&inwards), &flat, |_, _, _| ()).unwrap();
+    assert!(
+        frames.iter().zip(&inwards).all(|(frame, n)| frame.is_none_or(|f| (f.normal - n).norm() < 1e-15))
+    );
+    let few = mesh_core::FrameOptions { neighbours: 5, ..options };
+    assert!(mesh_core::estimate_frames(&index, &points, None, &few, |_, _, _| ()).is_err());
+    assert!(
+        mesh_core::estimate_frames(&index, &points, Some(&inwards[1..]), &options, |_, _, _| ()).is_err()
+    );
+}

@@ -5,14 +5,15 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use crate::Error;
+use crate::{Error, Unfinished};
 
 /// Size of the buffer in bytes.
 const BUFFER: usize = 1 << 18;
 
 /// Writes to a temporary file beside the target and puts it in the target's place at the end.
 ///
-/// Until [`AtomicFile::commit`] the target stays as it was; without it the temporary file is removed. A target that is
+/// Until [`AtomicFile::commit`] the target stays as it was; without it the temporary file is removed, as it is by
+/// [`remove_unfinished`](crate::remove_unfinished). A target that is
 /// no ordinary file, such as a pipe or `/dev/null`, is written directly. A symbolic link stays one: what it points to
 /// is replaced. Permissions of a replaced file are kept.
 ///
@@ -32,9 +33,10 @@ const BUFFER: usize = 1 << 18;
 pub struct AtomicFile {
     /// The path as given, for messages.
     path: PathBuf,
-    /// The temporary file and what it is to replace; `None` where the target is written directly.
-    pending: Option<(PathBuf, PathBuf)>,
     writer: BufWriter<File>,
+    /// The temporary file, which is closed before it is removed, and what it is to replace; `None` where the target is written
+    /// directly.
+    pending: Option<(Unfinished, PathBuf)>,
     written: u64,
 }
 
@@ -58,13 +60,10 @@ impl AtomicFile {
         let target = if existing.is_some() { fs::canonicalize(&path).map_err(failed)? } else { path.clone() };
         let (temporary, file) = open_beside(&target).map_err(failed)?;
         let writer = BufWriter::with_capacity(BUFFER, file);
-        // From here on the temporary file is removed when something fails.
-        let opened =
-            Self { path: path.clone(), pending: Some((temporary.clone(), target)), writer, written: 0 };
         if let Some(metadata) = existing {
-            fs::set_permissions(&temporary, metadata.permissions()).map_err(failed)?;
+            fs::set_permissions(temporary.path(), metadata.permissions()).map_err(failed)?;
         }
-        Ok(opened)
+        Ok(Self { path: path.clone(), pending: Some((temporary, target)), writer, written: 0 })
     }
 
     /// Puts the file in its place and returns its size in bytes.
@@ -77,9 +76,9 @@ impl AtomicFile {
             move |source| Error::Io { path, action, source }
         };
         self.writer.flush().map_err(failed("write", &self.path))?;
-        if let Some((temporary, target)) = &self.pending {
-            fs::rename(temporary, target).map_err(failed("replace", &self.path))?;
-            self.pending = None;
+        if let Some((temporary, target)) = self.pending.take() {
+            fs::rename(temporary.path(), target).map_err(failed("replace", &self.path))?;
+            temporary.keep();
         }
         Ok(self.written)
     }
@@ -103,25 +102,18 @@ impl Write for AtomicFile {
     }
 }
 
-impl Drop for AtomicFile {
-    fn drop(&mut self) {
-        if let Some((temporary, _)) = &self.pending {
-            // Nothing is left to be done about a failure here.
-            let _ = fs::remove_file(temporary);
-        }
-    }
-}
-
 /// Creates a file with a name that no other file has, in the folder of `target`.
-fn open_beside(target: &Path) -> io::Result<(PathBuf, File)> {
+fn open_beside(target: &Path) -> io::Result<(Unfinished, File)> {
     static COUNTER: AtomicU64 = AtomicU64::new(0);
     let name = target.file_name().ok_or(io::ErrorKind::InvalidInput)?.to_string_lossy();
     let short: String = name.chars().take(64).collect();
     loop {
         let number = COUNTER.fetch_add(1, Ordering::Relaxed);
         let temporary = target.with_file_name(format!(".{short}.{}-{number}.tmp", std::process::id()));
-        match OpenOptions::new().write(true).create_new(true).open(&temporary) {
-            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+        let temporary = Unfinished::new(temporary);
+        match OpenOptions::new().write(true).create_new(true).open(temporary.path()) {
+            // It is that of another process.
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => temporary.keep(),
             other => return other.map(|file| (temporary, file)),
         }
     }

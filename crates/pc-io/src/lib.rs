@@ -49,6 +49,7 @@ mod report;
 mod shape;
 mod source;
 mod stl;
+mod unfinished;
 mod write;
 mod xyz;
 
@@ -62,4 +63,5 @@ pub use nurbs_core;
 pub(crate) use read::not_points;
 pub use read::{read, read_bytes, read_cloud, read_from, read_mesh, read_model};
 pub use report::{ReadOptions, ReadReport, WriteOptions, WriteReport};
+pub use unfinished::{Unfinished, remove_unfinished};
 pub use write::{write, write_cloud, write_mesh, write_model};

@@ -1,24 +1,110 @@
 //! A fitted surface finished by squared distance minimisation.
 
+use super::ease::eased;
 use super::{SurfaceFit, rms};
-use crate::Error;
-use footpoint::{ProjectionOptions, SurfaceProjector, no_progress};
+use crate::{Error, SurfaceDefects};
+use footpoint::{ProjectionOptions, SurfaceProjector};
 use nalgebra::Vector3;
-use sdm_fit::{SurfaceOptions, SurfaceReport, fit_surface};
+use nurbs_core::BsplineSurface;
+use sdm_fit::{
+    Progress, Smoothing, Status, SurfaceOptions, SurfaceReport, fit_surface_with_progress, no_progress,
+};
+
+/// Factor of the energy with which a finish begins: the surface is near the points, and more would draw it away from them.
+const SMOOTHING: f64 = 1e-6;
+const ITERATIONS: usize = 30;
+
+/// Options of squared distance minimisation for a surface that is near its points already: those of [`SurfaceOptions`], but the
+/// smoothing begins with little, 1e-6, and is then what the data ask for.
+#[must_use]
+pub fn finish_options() -> SurfaceOptions {
+    let defaults = SurfaceOptions::default();
+    let smoothing = Smoothing::Automatic { start: SMOOTHING, factor: 0.5 };
+    defaults.with_fit(defaults.fit.with_smoothing(smoothing).with_max_iterations(ITERATIONS))
+}
+
+/// Which surface a finish leaves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
+#[non_exhaustive]
+pub enum FinishOutcome {
+    /// The one that squared distance minimisation made: nearer to the points, and without folds.
+    Finished,
+    /// The same with control points moved back to where they began, in part, around places where it folded.
+    Eased,
+    /// The one that it began with, since what it made folds in many places.
+    KeptSinceFolded,
+    /// The one that it began with, since what it made is no nearer to the points.
+    KeptSinceNoNearer,
+    /// The one that it began with: it was cancelled.
+    Cancelled,
+}
+
+impl FinishOutcome {
+    /// Whether the surface is another one than before.
+    #[must_use]
+    pub fn is_new(self) -> bool {
+        matches!(self, Self::Finished | Self::Eased)
+    }
+
+    /// The name used in files.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Finished => "finished",
+            Self::Eased => "eased",
+            Self::KeptSinceFolded => "kept_since_folded",
+            Self::KeptSinceNoNearer => "kept_since_no_nearer",
+            Self::Cancelled => "cancelled",
+        }
+    }
+}
+
+/// How a finish went.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct FinishReport {
+    /// Which surface is left.
+    pub outcome: FinishOutcome,
+    /// Root mean square orthogonal distances of the points that count, before and after; the latter also if it was not taken.
+    pub rms: [f64; 2],
+    /// What is wrong with the surface before and after, and with what the minimisation made.
+    pub defects: [SurfaceDefects; 3],
+    /// Share of the way that control points were moved back, on average over all.
+    pub moved_back: f64,
+    /// What the minimisation reports.
+    pub minimisation: SurfaceReport,
+}
 
 /// Moves the control points of a fitted surface to where the orthogonal distances of the points that count are least, by squared
-/// distance minimisation ([`sdm_fit::fit_surface`]), which needs no parameters but begins with good ones.
+/// distance minimisation ([`sdm_fit::fit_surface`]), which needs no parameters but begins with good ones. See [`finish_options`].
 ///
-/// Returns the finished surface, its history being that of the fit with the result at its end, and what the minimisation reports.
+/// The result is never worse than `fitted`: around places where the new surface folds, control points are moved back until it
+/// does not; if that fails, or the surface is no nearer to the points, `fitted` is returned as it is, and the report says so.
+/// The history of the result is that of `fitted` with the new distance at its end.
 ///
 /// # Errors
-/// [`Error::Fit`].
+/// [`Error::Fit`], [`Error::Option`].
 pub fn finish_fit(
     points: &[Vector3<f64>],
     counts: &[bool],
     fitted: SurfaceFit,
     options: &SurfaceOptions,
-) -> Result<(SurfaceFit, SurfaceReport), Error> {
+) -> Result<(SurfaceFit, FinishReport), Error> {
+    finish_fit_with_progress(points, counts, fitted, options, &no_progress)
+}
+
+/// [`finish_fit`] with a callback after each iteration, which may cancel.
+///
+/// # Errors
+/// As [`finish_fit`].
+pub fn finish_fit_with_progress(
+    points: &[Vector3<f64>],
+    counts: &[bool],
+    fitted: SurfaceFit,
+    options: &SurfaceOptions,
+    progress: Progress<'_>,
+) -> Result<(SurfaceFit, FinishReport), Error> {
     if counts.len() != points.len() {
         return Err(Error::Option {
             name: "counts",
@@ -28,12 +114,42 @@ pub fn finish_fit(
     }
     let used: Vec<usize> = (0..points.len()).filter(|&i| counts[i]).collect();
     let data: Vec<Vector3<f64>> = used.iter().map(|&i| points[i]).collect();
-    let finished = fit_surface(&data, fitted.surface, options)?;
-    let projector = SurfaceProjector::new(&finished.surface);
-    let feet = projector.project_many(points, &ProjectionOptions::default(), &no_progress);
+    let made = fit_surface_with_progress(&data, fitted.surface.clone(), options, progress)?;
+    let cancelled = made.report.fit.status == Status::Cancelled;
+    // With knots inserted there is no way back to the beginning.
+    let same_knots = made.surface.knots_u() == fitted.surface.knots_u()
+        && made.surface.knots_v() == fitted.surface.knots_v();
+    let defects = |surface: &BsplineSurface| SurfaceDefects::of(surface, None);
+    let (before, raw) = (defects(&fitted.surface), defects(&made.surface));
+    let eased = if !same_knots || raw.crossovers <= before.crossovers {
+        None
+    } else {
+        eased(&fitted.surface, &made.surface)?
+    };
+    let folds = raw.crossovers > before.crossovers && eased.is_none();
+    let (surface, moved_back) = eased.unwrap_or((made.surface, 0.0));
+    let projector = SurfaceProjector::new(&surface);
+    let feet = projector.project_many(points, &ProjectionOptions::default(), &footpoint::no_progress);
+    let distance = rms(&used, &feet);
+    let outcome = match () {
+        () if cancelled => FinishOutcome::Cancelled,
+        () if folds => FinishOutcome::KeptSinceFolded,
+        () if distance >= fitted.rms => FinishOutcome::KeptSinceNoNearer,
+        () if moved_back > 0.0 => FinishOutcome::Eased,
+        () => FinishOutcome::Finished,
+    };
+    let report = FinishReport {
+        outcome,
+        rms: [fitted.rms, distance],
+        defects: [before, defects(&surface), raw],
+        moved_back,
+        minimisation: made.report,
+    };
+    if !outcome.is_new() {
+        return Ok((fitted, report));
+    }
     let max = used.iter().map(|&i| feet[i].distance).fold(0.0, f64::max);
-    let rms = rms(&used, &feet);
     let mut history = fitted.history;
-    history.push(rms);
-    Ok((SurfaceFit { surface: finished.surface, history, feet, rms, max, used: used.len() }, finished.report))
+    history.push(distance);
+    Ok((SurfaceFit { surface, history, feet, rms: distance, max, used: used.len() }, report))
 }

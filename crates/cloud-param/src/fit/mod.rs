@@ -1,18 +1,22 @@
 //! Least squares surfaces from the parameters of a base surface.
 
+mod anchors;
+mod ease;
 mod finish;
 mod knots;
 
-pub use finish::finish_fit;
+pub use finish::{FinishOutcome, FinishReport, finish_fit, finish_fit_with_progress, finish_options};
 
+use crate::defects::folded_spans;
 use crate::{Error, SurfaceDefects, parallel};
+use anchors::Anchors;
 use footpoint::{ProjectionOptions, SurfaceFootpoint, SurfaceProjector, no_progress};
 use knots::Spans;
 use nalgebra::Vector3;
 use nurbs_core::{BsplineSurface, ParametricSurface, SurfaceFitOptions};
 
-/// How many times the regularisation is raised tenfold as long as the surface folds.
-const STIFFER: usize = 5;
+/// How many times cells that fold are drawn to the base surface.
+const UNFOLDINGS: usize = 10;
 
 /// How a surface is fitted to points with parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,11 +24,10 @@ const STIFFER: usize = 5;
 pub struct FitOptions {
     /// Number of control points in `u` (different ones, where `u` is closed) and `v`; default 30 and 30.
     pub control_points: [usize; 2],
-    /// Degree in both directions; default 3.
-    pub degree: usize,
+    /// Degrees in `u` and `v`; default 3 and 3.
+    pub degrees: [usize; 2],
     /// Factor of the thin plate energy, of which a little bridges holes; default 1e-10. The energy is measured with the domain
-    /// scaled to the unit square, so that the factor does not depend on the unit of length. It is raised, tenfold and five times
-    /// at most, as long as the surface folds.
+    /// scaled to the unit square, so that the factor does not depend on the unit of length.
     pub regularisation: f64,
     /// How many times the knots are moved to where the distances are large; default 8, with 0 they are equally spaced.
     pub redistributions: usize,
@@ -37,7 +40,7 @@ impl Default for FitOptions {
     fn default() -> Self {
         Self {
             control_points: [30, 30],
-            degree: 3,
+            degrees: [3, 3],
             regularisation: 1e-10,
             redistributions: 8,
             corrections: 2,
@@ -65,6 +68,9 @@ pub struct SurfaceFit {
 /// The least squares B-spline surface of points with parameters, closed in `u` if the base surface is, open at the other
 /// ends ([MPK, sec. 4]).
 ///
+/// Where the surface would fold, since there is more to see than its net resolves or less data than it needs, it is drawn to the
+/// base surface, which does not.
+///
 /// `feet` are the footpoints on the base surface; `counts` says which points take part.
 ///
 /// # Errors
@@ -77,8 +83,8 @@ pub fn fit_parameters(
     options: &FitOptions,
 ) -> Result<SurfaceFit, Error> {
     let [n_u, n_v] = options.control_points;
-    let degree = options.degree;
-    for n in [n_u, n_v] {
+    let [p, q] = options.degrees;
+    for (n, degree) in [(n_u, p), (n_v, q)] {
         if n <= degree || degree == 0 {
             return Err(Error::Option {
                 name: "control_points",
@@ -97,12 +103,9 @@ pub fn fit_parameters(
     let mut parameters: Vec<[f64; 2]> = used.iter().map(|&i| feet[i].parameter).collect();
     let closed = base.knots_u().is_periodic();
     let [u, v] = base.domain();
-    let mut spans = [
-        Spans::uniform(u, if closed { n_u } else { n_u - degree }, closed),
-        Spans::uniform(v, n_v - degree, false),
-    ];
-    let knots =
-        |spans: &[Spans; 2]| -> Result<_, Error> { Ok([spans[0].knots(degree)?, spans[1].knots(degree)?]) };
+    let mut spans =
+        [Spans::uniform(u, if closed { n_u } else { n_u - p }, closed), Spans::uniform(v, n_v - q, false)];
+    let knots = |spans: &[Spans; 2]| -> Result<_, Error> { Ok([spans[0].knots(p)?, spans[1].knots(q)?]) };
     // The energy has the unit of the squared distances.
     let fit =
         poles(base, SurfaceFitOptions::default().with_regularization(options.regularisation), [n_u, n_v]);
@@ -135,36 +138,48 @@ pub fn fit_parameters(
     }
     // Moves may overshoot: the best knots count.
     let knots = knots(&best.1)?;
-    // Parameters that make the surface fold are no better, however near it comes.
-    let folds = |surface: &BsplineSurface| SurfaceDefects::of(surface, None).crossovers;
-    let mut stiff = fit.clone();
-    let mut first = BsplineSurface::approximate(knots.clone(), &parameters, &data, &stiff)?.shape;
-    for _ in 0..STIFFER {
-        if folds(&first) == 0 {
+    // Where the net does not resolve what the data show, it folds. The base surface does not: there it counts, too.
+    let mut anchors = Anchors::none(best.1.map(|s| s.ends), closed);
+    let per_cell = data.len() as f64 / ((n_u - p).max(1) * (n_v - q).max(1)) as f64;
+    let solve = |parameters: &[[f64; 2]], anchors: &Anchors| -> Result<BsplineSurface, Error> {
+        let held = anchors.points(base, per_cell);
+        let mut weights = vec![1.0; data.len()];
+        weights.extend(held.weights);
+        let options = fit.clone().with_weights(weights);
+        let (parameters, points) =
+            ([parameters, &held.parameters].concat(), [&data[..], &held.points].concat());
+        Ok(BsplineSurface::approximate(knots.clone(), &parameters, &points, &options)?.shape)
+    };
+    let mut first = solve(&parameters, &anchors)?;
+    let mut folded = folded_spans(&first);
+    for _ in 0..UNFOLDINGS {
+        if folded.is_empty() {
             break;
         }
-        // More of the energy where the net does not resolve what the data show.
-        let regularisation = (10.0 * stiff.regularization).max(1e-10);
-        stiff = stiff.with_regularization(regularisation);
-        let next = BsplineSurface::approximate(knots.clone(), &parameters, &data, &stiff)?.shape;
-        if folds(&next) <= folds(&first) {
-            first = next;
-        }
+        anchors.strengthen(&folded);
+        first = solve(&parameters, &anchors)?;
+        folded = folded_spans(&first);
     }
+    let folds = |surface: &BsplineSurface| SurfaceDefects::of(surface, None).crossovers;
     let mut history = Vec::new();
     let mut next = Some(first);
     let mut best: Option<(BsplineSurface, Vec<SurfaceFootpoint>)> = None;
     while let Some(surface) = next.take() {
+        // Parameters that make the surface fold are no better, however near it comes.
         if best.as_ref().is_some_and(|(before, _)| folds(&surface) > folds(before)) {
             break;
         }
         let projector = SurfaceProjector::new(&surface);
         let all = projector.project_many(points, &ProjectionOptions::default(), &no_progress);
-        history.push(rms(&used, &all));
+        let distance = rms(&used, &all);
+        if history.last().is_some_and(|&before| distance > before) {
+            break;
+        }
+        history.push(distance);
         parameters = used.iter().map(|&i| all[i].parameter).collect();
         best = Some((surface, all));
         if history.len() <= options.corrections {
-            next = Some(BsplineSurface::approximate(knots.clone(), &parameters, &data, &stiff)?.shape);
+            next = Some(solve(&parameters, &anchors)?);
         }
     }
     let Some((surface, feet)) = best else {

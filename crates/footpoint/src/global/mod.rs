@@ -31,6 +31,8 @@ pub(crate) mod scratch;
 pub(crate) mod search;
 pub(crate) mod search_curve;
 pub(crate) mod seeds;
+pub(crate) mod sides;
+pub(crate) mod sides_curve;
 pub(crate) mod split;
 pub(crate) mod tree;
 pub(crate) mod valley;

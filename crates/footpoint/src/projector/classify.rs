@@ -7,16 +7,17 @@ use crate::global::geometry::{Geometry, Patch};
 use crate::global::patch::PatchSet;
 use crate::global::polish::flattest;
 use crate::global::scratch::Scratch;
+use crate::global::sides::Walk;
 use crate::{Location, Multiplicity, Status, SurfaceFootpoint};
 use nalgebra::Vector3;
 use nurbs_core::SurfaceJet;
 
 /// Local parameters this close to a border are on it.
-pub(super) const ON_BORDER: f64 = 1e-12;
+pub(crate) const ON_BORDER: f64 = 1e-12;
 /// Share of the size of the model within which points are the same.
-pub(super) const SAME_POINT: f64 = APART;
+pub(crate) const SAME_POINT: f64 = APART;
 /// Cosine of the angle between the connecting line and a tangent that still counts as a right angle.
-pub(super) const ORTHOGONAL: f64 = 1e-6;
+pub(crate) const ORTHOGONAL: f64 = 1e-6;
 /// Speed, as a share of the size of the model, below which a parameter does not move the point.
 pub(super) const STANDSTILL: f64 = 1e-9;
 /// Decrease of the squared distance, as a share of it, that rounding errors hide.
@@ -48,6 +49,16 @@ impl Geometry {
     pub(crate) fn finish(&self, x: &Vector3<f64>, foot: &Foot) -> SurfaceFootpoint {
         let [s, t] = foot.local;
         self.conclude(x, foot, &self.jet(&self.patches[foot.patch], s, t))
+    }
+
+    /// The public result of a walk, which has not converged while the distance falls beyond a kink.
+    #[inline(always)]
+    pub(crate) fn conclude_walk(&self, x: &Vector3<f64>, walk: &Walk) -> SurfaceFootpoint {
+        let mut out = self.conclude(x, &walk.foot, &walk.jet);
+        if walk.falls_beyond && out.status.is_converged() {
+            out.status = Status::MaxIterations;
+        }
+        out
     }
 
     /// As [`finish`](Self::finish), when the jet at the place is known.

@@ -4,6 +4,7 @@ use super::classify::{FLAT, NO_GAIN, ORTHOGONAL, SAME_POINT, STANDSTILL};
 use crate::global::gap::Gap;
 use crate::global::piece::PieceSet;
 use crate::global::search_curve::{CurveFoot, CurveScratch};
+use crate::global::sides_curve::CurveWalk;
 use crate::{CurveFootpoint, Location, Multiplicity, Status};
 use nalgebra::SVector;
 
@@ -50,6 +51,16 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
             lower_bound: 0.0,
             iterations: foot.steps,
         }
+    }
+
+    /// The public result of a walk, which has not converged while the distance falls beyond a kink.
+    #[inline(always)]
+    pub(crate) fn conclude_walk(&self, x: &SVector<f64, D>, walk: &CurveWalk) -> CurveFootpoint<D> {
+        let mut out = self.finish(x, &walk.foot);
+        if walk.falls_beyond && out.status.is_converged() {
+            out.status = Status::MaxIterations;
+        }
+        out
     }
 
     /// Whether another point, apart from the footpoint, is as near.

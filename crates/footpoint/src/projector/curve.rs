@@ -110,6 +110,8 @@ impl<const D: usize> CurveProjector<D> {
     }
 
     /// Follows the distance downhill from a known parameter: a previous answer for a point nearby.
+    ///
+    /// Kinks are crossed where the distance falls beyond them; on a kink a foot is converged only if it falls on neither side.
     #[must_use]
     pub fn project_from(&self, x: &SVector<f64, D>, shape: usize, parameter: f64) -> CurveFootpoint<D> {
         with_set!(&self.set, set => vectorized(
@@ -196,8 +198,8 @@ fn follow<const D: usize, const K: usize>(
     max_steps: u32,
 ) -> CurveFootpoint<D> {
     match set.locate(shape, parameter) {
-        Some((piece, local)) if x.iter().all(|c| c.is_finite()) => {
-            set.finish(x, &set.descend_inline(x, piece, local, max_steps))
+        Some(place) if x.iter().all(|c| c.is_finite()) => {
+            set.conclude_walk(x, &set.follow(x, place, max_steps))
         }
         _ => CurveFootpoint::invalid(),
     }
@@ -236,11 +238,14 @@ impl<const D: usize, const K: usize> Batch<D> for CurveQuery<'_, D, K> {
         hint: &mut Option<CurveFoot>,
         scratch: &mut CurveScratch<K>,
     ) -> CurveFootpoint<D> {
-        let start = hint.map(|foot| self.set.descend(x, foot.piece, foot.local, 12));
-        if let (Mode::Local, Some(foot)) = (self.mode, start) {
-            *hint = Some(foot);
-            return self.set.finish(x, &foot);
+        if self.mode == Mode::Local
+            && let Some(foot) = hint
+        {
+            let walk = self.set.follow(x, (foot.piece, foot.local), UpdateOptions::default().max_steps);
+            *foot = walk.foot;
+            return self.set.conclude_walk(x, &walk);
         }
+        let start = hint.map(|foot| self.set.descend(x, foot.piece, foot.local, 12));
         let certify = self.mode == Mode::Certified;
         let (foot, bound_sq) = self.set.search(x, start, certify, &self.gap, scratch);
         if foot.piece == usize::MAX {

@@ -17,58 +17,15 @@ const DECREASE: f64 = 1e-13;
 /// Share of the size of the model that is walked where slope and curvature do not decide.
 const STRIDE: f64 = 1e-3;
 
-/// Places on every parameter line through a pole that are looked at, per patch.
-const LINES: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
-
 impl<const K: usize> PatchSet<K> {
     /// Whether the distance grows, or stays, in all directions on the surface.
     pub(crate) fn is_minimum(&self, x: &Vector3<f64>, foot: &Foot) -> bool {
-        let place = |index: usize, local: [f64; 2]| {
-            let patch = &self.patches[index];
-            self.point(patch, local[0], local[1]) + patch.centre
-        };
-        let here = place(foot.patch, foot.local);
-        let mut around = self.around(foot).into_iter();
+        let here = self.place(foot.patch, foot.local);
+        let mut around = self.around(foot.patch, foot.local).into_iter();
         around.all(|(index, local)| {
-            let same = (place(index, local) - here).norm() <= SAME_POINT * self.size;
+            let same = (self.place(index, local) - here).norm() <= SAME_POINT * self.size;
             !same || self.is_minimum_seen_from(x, index, local)
         })
-    }
-
-    /// All places, by patch and local parameters, that are the same point of the surface.
-    fn around(&self, foot: &Foot) -> Vec<(usize, [f64; 2])> {
-        let patch = &self.patches[foot.patch];
-        let cells = &self.cells[patch.shape];
-        let mut options = [0, 1].map(|d| vec![(patch.cell[d], foot.local[d])]);
-        let mut pole = None;
-        for d in 0..2 {
-            let end = usize::from(foot.local[d] > 0.5);
-            let border = end as f64;
-            let at_end = cells.at_end(patch.cell, d, end);
-            let gap = (foot.local[d] - border).abs();
-            if at_end && cells.collapsed[d][end] {
-                let jet = self.jet(patch, foot.local[0], foot.local[1]);
-                let speed = if d == 0 { jet.du } else { jet.dv }.norm();
-                if gap * speed <= 1e-9 * self.size {
-                    options[d] = vec![(patch.cell[d], border)];
-                    pole = Some(d);
-                    continue;
-                }
-            }
-            if gap > ON_BORDER || (at_end && !cells.closed[d]) {
-                continue;
-            }
-            let count = cells.counts[d];
-            let beyond = if end == 0 { patch.cell[d] + count - 1 } else { patch.cell[d] + 1 } % count;
-            options[d] = vec![(patch.cell[d], border), (beyond, 1.0 - border)];
-        }
-        if let Some(d) = pole {
-            let lines = |cell| LINES.map(|s| (cell, s));
-            options[1 - d] = (0..cells.counts[1 - d]).flat_map(lines).collect();
-        }
-        let [u, v] = &options;
-        let places = u.iter().flat_map(|&(row, s)| v.iter().map(move |&(column, t)| ([row, column], [s, t])));
-        places.map(|(cell, local)| (cells.patch(cell), local)).collect()
     }
 
     /// Whether the distance does not decrease from a place into its patch.
@@ -139,19 +96,12 @@ impl<const K: usize> PatchSet<K> {
 impl<const D: usize, const K: usize> PieceSet<D, K> {
     /// Whether the distance grows, or stays, in both directions on the curve.
     pub(crate) fn is_minimum(&self, x: &SVector<f64, D>, foot: &CurveFoot) -> bool {
-        let piece = &self.pieces[foot.piece];
         let end = usize::from(foot.local > 0.5);
         let border = end as f64;
         if (foot.local - border).abs() > ON_BORDER {
             return self.is_minimum_seen_from(x, foot.piece, foot.local);
         }
-        let beyond = match (piece.ends[end], end) {
-            (false, 0) => Some(foot.piece - 1),
-            (false, _) => Some(foot.piece + 1),
-            (true, _) if !piece.closed => None,
-            (true, 0) => self.locate(piece.shape, f64::INFINITY).map(|p| p.0),
-            (true, _) => self.locate(piece.shape, f64::NEG_INFINITY).map(|p| p.0),
-        };
+        let beyond = self.beyond(foot.piece, end);
         self.is_minimum_seen_from(x, foot.piece, border)
             && beyond.is_none_or(|other| self.is_minimum_seen_from(x, other, 1.0 - border))
     }

@@ -2,7 +2,7 @@
 
 mod all_feet;
 mod batch;
-mod classify;
+pub(crate) mod classify;
 mod classify_curve;
 mod curve;
 mod local_minimum;

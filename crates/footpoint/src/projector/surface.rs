@@ -119,7 +119,8 @@ impl SurfaceProjector {
 
     /// Follows the distance downhill from a known parameter: a previous answer for a point nearby.
     ///
-    /// Finds the local minimum that the start leads to, at a fraction of the cost of a search.
+    /// Finds the local minimum that the start leads to, at a fraction of the cost of a search. Kinks, seams and poles are
+    /// crossed where the distance falls beyond them; on a kink a foot is converged only if it falls on no side.
     #[must_use]
     pub fn project_from(&self, x: &Vector3<f64>, shape: usize, parameter: [f64; 2]) -> SurfaceFootpoint {
         with_set!(&self.set, set => {
@@ -128,8 +129,7 @@ impl SurfaceProjector {
                 }
                 let (cell, local) = set.cells[shape].locate(parameter);
                 let patch = set.cells[shape].patch(cell);
-                let (foot, jet) = set.descend_to_jet(x, patch, local, UpdateOptions::default().max_steps);
-                set.conclude(x, &foot, &jet)
+                set.conclude_walk(x, &set.follow(x, (patch, local), UpdateOptions::default().max_steps))
         })
     }
 
@@ -215,13 +215,14 @@ impl<const K: usize> Batch<3> for SurfaceQuery<'_, K> {
         hint: &mut Option<Foot>,
         scratch: &mut Scratch<K>,
     ) -> SurfaceFootpoint {
-        let start = hint.map(|foot| self.set.descend(x, foot.patch, foot.local, 12));
         if self.mode == Mode::Local
-            && let Some(foot) = start
+            && let Some(foot) = hint
         {
-            *hint = Some(foot);
-            return self.set.finish(x, &foot);
+            let walk = self.set.follow(x, (foot.patch, foot.local), UpdateOptions::default().max_steps);
+            *foot = walk.foot;
+            return self.set.conclude_walk(x, &walk);
         }
+        let start = hint.map(|foot| self.set.descend(x, foot.patch, foot.local, 12));
         let certify = self.mode == Mode::Certified;
         let found = self.set.search(x, start, certify, &self.gap, scratch);
         if found.foot.patch == usize::MAX {

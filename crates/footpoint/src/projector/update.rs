@@ -215,7 +215,8 @@ fn update(
                         #[inline(always)]
                         |walker, outcome| match outcome {
                             Outcome::Landed(place, jet) => {
-                                feet[walker.index as usize] = set.conclude(&walker.x, &place, &jet);
+                                let walk = set.go_on(&walker.x, place, jet, max_steps);
+                                feet[walker.index as usize] = set.conclude_walk(&walker.x, &walk);
                             }
                             Outcome::Crossed(walker) => work.walkers.push(walker),
                             Outcome::Lost => {
@@ -243,7 +244,7 @@ fn start(set: &Geometry, x: &Vector3<f64>, foot: &SurfaceFootpoint) -> Option<(u
     }
     let cells = set.cells.get(foot.shape)?;
     let (cell, local) = cells.locate(foot.parameter);
-    Some((cells.patch(cell), local))
+    Some(set.best_side(x, (cells.patch(cell), local)))
 }
 
 /// The rest of a walk.
@@ -259,7 +260,7 @@ fn walk_alone(
     }
     let (mut foot, jet) = set.descend_to_jet(&walker.x, patch, walker.local, max_steps - walker.steps);
     foot.steps += walker.steps;
-    set.conclude(&walker.x, &foot, &jet)
+    set.conclude_walk(&walker.x, &set.go_on(&walker.x, foot, jet, max_steps))
 }
 
 /// The whole walk from the previous answer, with step control.
@@ -272,5 +273,5 @@ fn walk_again(
 ) -> SurfaceFootpoint {
     let Some((patch, local)) = start(set, &walker.x, previous) else { return SurfaceFootpoint::invalid() };
     let (foot, jet) = set.descend_to_jet(&walker.x, patch, local, max_steps);
-    set.conclude(&walker.x, &foot, &jet)
+    set.conclude_walk(&walker.x, &set.go_on(&walker.x, foot, jet, max_steps))
 }

@@ -26,7 +26,7 @@ pub(crate) struct Args {
     /// The parameters: x, y, z, u, v, distance, used, status, one row per point; .csv, .ply or .json
     #[arg(long, value_name = "UV.csv")]
     params: Option<PathBuf>,
-    /// A least squares surface from these parameters (NURBS JSON)
+    /// A surface fitted with these parameters (NURBS JSON): least squares, finished by squared distance minimisation
     #[arg(long, value_name = "FITTED.json")]
     fit: Option<PathBuf>,
     /// Control points of the fitted surface around and along [default: 30,30]
@@ -35,6 +35,9 @@ pub(crate) struct Args {
     /// How many times the parameters of the fit are corrected by projection onto the fitted surface [default: 2]
     #[arg(long, value_name = "N", requires = "fit")]
     corrections: Option<u8>,
+    /// Leave the least squares surface as it is, without the finish
+    #[arg(long, requires = "fit")]
+    no_finish: bool,
     /// What kind of surface the points are on
     #[arg(long, value_enum, default_value_t = ShapeChoice::Auto)]
     shape: ShapeChoice,
@@ -76,7 +79,9 @@ enum WeightChoice {
 
 const AFTER_HELP: &str = "\
 The report (--json) says what kind of surface was found and why, the axis, the number of views, the distances at every step, self-loops
-and crossovers, the share of the points with one closest point only, and the time of each stage.
+and crossovers, the share of the points with one closest point only, and the time of each stage; of a fitted surface the distances and
+folds after least squares and after the finish. A finish that would fold, or come no nearer to the points, is not taken, and the
+report says so.
 
 Exit status 0: the surfaces follow the points and have no folds; 1: one folds, the base surface lies over large holes, or many points lie beyond its
 ends (files are written nevertheless); 2: bad input or usage, as points that do not go around the axis.
@@ -151,6 +156,7 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         fitted: args.fit.as_deref(),
         options: args.options(),
         fit,
+        finish: !args.no_finish,
         quiet: common.quiet,
     };
     let converged = parameterizing::run(&job, report)?;

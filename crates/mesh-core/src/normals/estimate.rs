@@ -11,7 +11,7 @@ use crate::{CloudIndex, Error, Neighbour};
 const COLLINEAR: f64 = 1e-12;
 
 /// Most neighbours through which orientations propagate.
-const GRAPH_DEGREE: usize = 10;
+pub(crate) const GRAPH_DEGREE: usize = 10;
 
 /// Which of the two sides of the surface the normals of a cloud point to.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -9,7 +9,9 @@ pub use estimate::{CloudNormals, NormalOptions, Orientation, estimate_normals};
 pub use mesh::Normals;
 pub use orient::{orient_consistently, orient_towards};
 
-pub(crate) use estimate::tangent_plane;
+pub(crate) use estimate::{GRAPH_DEGREE, tangent_plane};
+pub(crate) use orient::propagate;
+pub(crate) use spanning_tree::Graph;
 
 use nalgebra::Vector3;
 

@@ -88,7 +88,7 @@ impl Link {
 }
 
 /// Propagates orientations in every component of the graph and returns their number.
-pub(super) fn propagate(points: &[Point3<f64>], graph: &Graph, normals: &mut [Vector3<f64>]) -> usize {
+pub(crate) fn propagate(points: &[Point3<f64>], graph: &Graph, normals: &mut [Vector3<f64>]) -> usize {
     let components = graph.components(normals);
     let mut reached = vec![false; points.len()];
     // Costs do not see the sides, which are settled while the trees grow.

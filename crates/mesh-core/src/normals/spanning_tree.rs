@@ -9,20 +9,20 @@ const CLASSES: usize = 1024;
 
 /// Which points of a cloud are neighbours, in both directions.
 #[derive(Debug)]
-pub(super) struct Graph {
+pub(crate) struct Graph {
     starts: Vec<usize>,
     links: Vec<u32>,
 }
 
 impl Graph {
     /// The first `degree` neighbours of point `i`, without itself.
-    pub(super) fn links(i: usize, near: &[Neighbour], degree: usize) -> Vec<u32> {
+    pub(crate) fn links(i: usize, near: &[Neighbour], degree: usize) -> Vec<u32> {
         let others = near.iter().map(|neighbour| neighbour.index).filter(|&index| index != i);
         others.take(degree).filter_map(|index| u32::try_from(index).ok()).collect()
     }
 
     /// `lists` gives the neighbours of all points in order, each time that it is asked.
-    pub(super) fn new<'a, I: Iterator<Item = &'a [u32]>>(count: usize, lists: impl Fn() -> I) -> Self {
+    pub(crate) fn new<'a, I: Iterator<Item = &'a [u32]>>(count: usize, lists: impl Fn() -> I) -> Self {
         let mut starts = vec![0usize; count + 2];
         for (from, list) in lists().enumerate() {
             starts[from + 2] += list.len();
@@ -50,7 +50,7 @@ impl Graph {
     }
 
     /// Connected parts among the points with a normal, each as its points in ascending order.
-    pub(super) fn components(&self, normals: &[Vector3<f64>]) -> Vec<Vec<u32>> {
+    pub(crate) fn components(&self, normals: &[Vector3<f64>]) -> Vec<Vec<u32>> {
         let mut seen: Vec<bool> = normals.iter().map(|&normal| normal == Vector3::zeros()).collect();
         let mut components = Vec::new();
         for (seed, index) in (0..normals.len()).zip(0u32..) {
@@ -77,7 +77,7 @@ impl Graph {
     /// `visit(parent, child)` along it, parents first. A link without cost is none.
     ///
     /// Prim's algorithm with costs sorted into classes; within a class the link found last comes first.
-    pub(super) fn grow(
+    pub(crate) fn grow(
         &self,
         root: u32,
         reached: &mut [bool],

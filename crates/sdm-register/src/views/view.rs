@@ -6,7 +6,7 @@ use mesh_core::{CloudIndex, PointCloud, TriangleMesh};
 use nalgebra::{Point3, Vector3};
 use nurbs_core::Aabb;
 
-use super::surface::LocalSurface;
+use super::surface::{Degree, LocalSurface};
 use crate::start::random::Random;
 use crate::{Error, parallel};
 
@@ -103,6 +103,9 @@ impl View {
     }
 }
 
+/// Points of a view that are asked for the degree of its surfaces.
+const ASKED: usize = 100;
+
 /// A view in its centred and scaled frame, with a search tree and the surfaces that were asked for.
 #[derive(Debug)]
 pub(crate) struct Prepared {
@@ -110,6 +113,7 @@ pub(crate) struct Prepared {
     normals: Option<Vec<Vector3<f64>>>,
     index: CloudIndex<3>,
     neighbours: usize,
+    degree: Degree,
     surfaces: Vec<Option<LocalSurface>>,
     fitted: Vec<bool>,
     /// Indices of the points that are matched with other views, in random order: a part of them is a fair choice.
@@ -140,17 +144,29 @@ impl Prepared {
         let bounds =
             points.iter().fold(Aabb::of_point(Vector3::zeros()), |bounds, x| bounds.with_point(&x.coords));
         let radius = points.iter().map(|x| x.coords.norm()).fold(0.0, f64::max);
-        Ok(Self {
+        let mut prepared = Self {
             normals: view.normals.clone(),
             index,
             neighbours,
+            degree: Degree::Four,
             surfaces: vec![None; points.len()],
             fitted: vec![false; points.len()],
             points,
             sample: order,
             radius,
             bounds,
-        })
+        };
+        prepared.degree = prepared.degree_of_points();
+        Ok(prepared)
+    }
+
+    /// Degree four if most of some points ask for it: one for the whole view, since where noise decides, surfaces next to each
+    /// other do not agree.
+    fn degree_of_points(&self) -> Degree {
+        let asked = &self.sample[..self.sample.len().min(ASKED)];
+        let surfaces = parallel::tasks(asked.len(), |k| self.fit_one(asked[k]));
+        let quartic = surfaces.iter().flatten().filter(|surface| surface.is_quartic()).count();
+        if 2 * quartic > asked.len() { Degree::Four } else { Degree::Three }
     }
 
     /// Index of the point nearest to `x`.
@@ -178,7 +194,7 @@ impl Prepared {
         let centre = self.points[index];
         let near = self.index.nearest_n(&centre, self.neighbours);
         let neighbours: Vec<_> = near.iter().map(|found| self.points[found.index].coords).collect();
-        let surface = LocalSurface::fit(&centre.coords, &neighbours)?;
+        let surface = LocalSurface::fit(&centre.coords, &neighbours, self.degree)?;
         Some(match &self.normals {
             Some(normals) => surface.oriented(&normals[index]),
             None => surface,

@@ -1,0 +1,196 @@
+//! `cargo xtask measure`: runs the examples that measure the goals of the project and writes `docs/measurements.md`.
+//!
+//! What each example prints is quoted as it is, below the command that prints it. Numbers of time depend on the machine, so that
+//! this document is written on demand and not compared by anything.
+
+use crate::{Failure, workspace};
+use std::fmt::Write as _;
+use std::process::Command;
+
+/// Where the report goes, from the workspace root.
+const REPORT: &str = "docs/measurements.md";
+
+/// One example to run: what it is about, and how it is called.
+struct Measurement {
+    /// For `cargo xtask measure NAME`.
+    name: &'static str,
+    title: &'static str,
+    about: &'static str,
+    package: &'static str,
+    features: &'static str,
+    example: &'static str,
+    arguments: &'static [&'static str],
+    /// Whether one thread is to do the work, where CPU time is measured.
+    one_thread: bool,
+}
+
+/// All measurements, in the order of the report.
+const MEASUREMENTS: &[Measurement] = &[
+    Measurement {
+        name: "projection",
+        title: "Certified projection",
+        about: "Nine kinds of shape, six sets of queries each, against closed forms or refined dense samples. Wanted: no wrong \
+                answer; curves below 1 us, surfaces below 5 us (10 us on 50 x 50 control points), no query above 1 ms.",
+        package: "footpoint",
+        features: "",
+        example: "kinds",
+        arguments: &[],
+        one_thread: true,
+    },
+    Measurement {
+        name: "registration",
+        title: "Registration from many starts",
+        about: "All starts of the cases in `fixtures/register-cases`, up to 60 degrees away; errors against the certified optimum, \
+                as shares of the diameter.",
+        package: "sdm-register",
+        features: "serde",
+        example: "register_cases",
+        arguments: &[
+            "fixtures/register-cases/cad_zero",
+            "fixtures/register-cases/cad_noise1e-3",
+            "fixtures/register-cases/cad_offset_pos",
+            "fixtures/register-cases/cad_warp_in",
+            "fixtures/register-cases/cad_out20",
+        ],
+        one_thread: true,
+    },
+    Measurement {
+        name: "registration-time",
+        title: "Time of registrations",
+        about: "CPU seconds of field and registration, against the goals of the project.",
+        package: "sdm-register",
+        features: "serde",
+        example: "cpu_goals",
+        arguments: &[],
+        one_thread: true,
+    },
+    Measurement {
+        name: "registration-robust",
+        title: "Registration with outliers and missing parts",
+        about: "Default settings, 104 starts of 5 to 60 degrees each.",
+        package: "sdm-register",
+        features: "serde",
+        example: "robust_cases",
+        arguments: &[],
+        one_thread: true,
+    },
+    Measurement {
+        name: "views",
+        title: "Many views at once",
+        about: "Six views of one body without common points. Wanted without noise: 5e-6 of the diameter.",
+        package: "sdm-register",
+        features: "",
+        example: "many_views",
+        arguments: &[],
+        one_thread: true,
+    },
+];
+
+/// Runs the command.
+pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
+    let chosen =
+        |measurement: &&Measurement| arguments.is_empty() || arguments.iter().any(|a| a == measurement.name);
+    if let Some(unknown) = arguments.iter().find(|a| MEASUREMENTS.iter().all(|m| m.name != a.as_str())) {
+        let names: Vec<&str> = MEASUREMENTS.iter().map(|m| m.name).collect();
+        return Err(Failure::Usage(format!(
+            "measure does not know `{unknown}`; there are {}",
+            names.join(", ")
+        )));
+    }
+    let path = workspace::root().join(REPORT);
+    let old = std::fs::read_to_string(&path).unwrap_or_default();
+    let mut text = String::from(
+        "# Measurements\n\nWritten by `cargo xtask measure`: the output of the programs that measure the goals of the project, on \
+         the machine on which it was run last. Ratios of one run can be compared, times of different runs cannot.\n",
+    );
+    for measurement in MEASUREMENTS {
+        if chosen(&measurement) {
+            println!("{}: {}", measurement.name, measurement.command_line());
+            text.push_str(&section(measurement, &measurement.output()?));
+        } else if let Some(kept) = section_of(&old, measurement.title) {
+            // Measurements that are not asked for stay as they are.
+            text.push_str(kept);
+        }
+    }
+    std::fs::write(&path, text)
+        .map_err(|error| Failure::Failed(format!("{REPORT} cannot be written: {error}")))?;
+    println!("written to {REPORT}");
+    Ok(())
+}
+
+impl Measurement {
+    fn cargo_arguments(&self) -> Vec<&str> {
+        let mut all = vec!["run", "--release", "--quiet", "--package", self.package];
+        if !self.features.is_empty() {
+            all.extend(["--features", self.features]);
+        }
+        all.extend(["--example", self.example]);
+        if !self.arguments.is_empty() {
+            all.push("--");
+            all.extend(self.arguments);
+        }
+        all
+    }
+
+    fn command_line(&self) -> String {
+        let threads = if self.one_thread { "RAYON_NUM_THREADS=1 " } else { "" };
+        format!("{threads}cargo {}", self.cargo_arguments().join(" "))
+    }
+
+    fn output(&self) -> Result<String, Failure> {
+        let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+        command.current_dir(workspace::root()).args(self.cargo_arguments());
+        if self.one_thread {
+            command.env("RAYON_NUM_THREADS", "1");
+        }
+        let failed = |what: &str| Failure::Failed(format!("`{}` {what}", self.command_line()));
+        let output = command.output().map_err(|error| failed(&format!("did not start: {error}")))?;
+        if !output.status.success() {
+            return Err(failed(&format!("failed: {}", String::from_utf8_lossy(&output.stderr).trim())));
+        }
+        Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+    }
+}
+
+fn section(measurement: &Measurement, output: &str) -> String {
+    let mut text = format!("\n## {}\n\n{}\n\n", measurement.title, measurement.about);
+    let _ = write!(text, "```text\n$ {}\n", measurement.command_line());
+    for line in output.trim_end().lines() {
+        let _ = writeln!(text, "{}", line.trim_end());
+    }
+    text.push_str("```\n");
+    text
+}
+
+/// The section with this title, from the empty line before it to the next.
+fn section_of<'a>(text: &'a str, title: &str) -> Option<&'a str> {
+    let start = text.find(&format!("\n## {title}\n"))?;
+    let end = text[start + 1..].find("\n## ").map_or(text.len(), |next| start + 1 + next);
+    Some(&text[start..end])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sections_are_found_again() {
+        let text: String =
+            MEASUREMENTS.iter().map(|measurement| section(measurement, "a line  \nanother\n")).collect();
+        for measurement in MEASUREMENTS {
+            let found = section_of(&text, measurement.title);
+            assert_eq!(found, Some(section(measurement, "a line\nanother").as_str()));
+        }
+        assert_eq!(section_of(&text, "Nothing"), None);
+    }
+
+    #[test]
+    fn names_are_different_and_unknown_ones_refused() {
+        for (i, measurement) in MEASUREMENTS.iter().enumerate() {
+            assert!(
+                MEASUREMENTS[..i].iter().all(|m| m.name != measurement.name && m.title != measurement.title)
+            );
+        }
+        assert!(matches!(run(&["nonsense".to_owned()]), Err(Failure::Usage(_))));
+    }
+}
