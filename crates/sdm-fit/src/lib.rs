@@ -40,6 +40,7 @@ mod shape;
 mod simd;
 mod smoothing;
 mod status;
+pub mod subdivision;
 mod surface;
 mod target;
 mod weights;
