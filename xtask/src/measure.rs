@@ -84,6 +84,17 @@ const MEASUREMENTS: &[Measurement] = &[
         arguments: &[],
         one_thread: true,
     },
+    Measurement {
+        name: "rivals",
+        title: "Fits of curves: methods side by side",
+        about: "From the same start, with the same control points, in one run: point, tangent and squared distance minimisation, and \
+                control points and parameters together by L-BFGS.",
+        package: "sdm-fit",
+        features: "",
+        example: "rivals",
+        arguments: &[],
+        one_thread: true,
+    },
 ];
 
 /// Runs the command.
