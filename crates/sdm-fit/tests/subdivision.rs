@@ -112,7 +112,6 @@ fn a_body_is_fitted_from_a_coarse_mesh() {
         fit_subdivision(target, &coarse, &options).unwrap()
     };
     let (squared, point) = (fit(ErrorTerm::SquaredDistance), fit(ErrorTerm::Point));
-    eprintln!("sdm {} pdm {} size {size}", squared.report, point.report);
     assert!(squared.report.rms < 0.8 * point.report.rms, "{} {}", squared.report, point.report);
     assert!(squared.report.rms < 3e-3 * size, "{} {size}", squared.report);
     // And from the surface back: no limit point is far from the body.
