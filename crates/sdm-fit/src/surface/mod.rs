@@ -8,6 +8,7 @@ mod folds;
 mod initial;
 mod rational;
 mod refine;
+mod runs;
 
 pub use active::ActiveSurface;
 pub use fit::{

@@ -94,6 +94,14 @@ pub(super) fn refined(
     Ok(result)
 }
 
+/// The surface without the knots that can be removed so that it moves by no more than a length in all ([PT97, A9.8]); `None` where
+/// none can.
+pub(super) fn coarser(surface: &BsplineSurface, tolerance: f64) -> Result<Option<BsplineSurface>, Error> {
+    let (first, in_u) = surface.remove_all_within(Direction::U, 0.5 * tolerance)?;
+    let (both, in_v) = first.remove_all_within(Direction::V, 0.5 * tolerance)?;
+    Ok((in_u.removed + in_v.removed > 0).then_some(both))
+}
+
 /// Middles of the spans with the largest excess.
 fn middles(knots: &KnotVector, spans: &[usize], excess: &[f64], counts: &[usize], room: usize) -> Vec<f64> {
     let mut order: Vec<usize> =
@@ -130,4 +138,26 @@ fn cell_lengths(surface: &BsplineSurface, spans: &[Vec<usize>; 2]) -> [f64; 2] {
         }
     }
     [0, 1].map(|d| sums[d] / spans[d].len() as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nurbs_core::ParametricSurface;
+
+    #[test]
+    fn knots_that_carry_nothing_are_removed() {
+        let (u, v) =
+            (KnotVector::uniform_clamped(3, 6).unwrap(), KnotVector::uniform_periodic(3, 7).unwrap());
+        let point = |k: usize| {
+            let (i, a) = ((k / 10) as f64, std::f64::consts::TAU * (k % 10 % 7) as f64 / 7.0);
+            Vector3::new((2.0 + (3.0 * i).sin()) * a.cos(), (2.0 + (2.0 * i).cos()) * a.sin(), i)
+        };
+        let surface = BsplineSurface::new(u, v, (0..60).map(point).collect(), None).unwrap();
+        let finer = with_controls(surface.clone(), [9, 12]).unwrap();
+        let back = coarser(&finer, 1e-9).unwrap().unwrap();
+        assert_eq!((back.n_u(), back.knots_v().distinct_count()), (6, 7));
+        assert!((back.point(0.3, 1.7) - surface.point(0.3, 1.7)).norm() < 1e-9);
+        assert!(coarser(&surface, 1e-9).unwrap().is_none());
+    }
 }
