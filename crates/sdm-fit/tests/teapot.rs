@@ -24,6 +24,7 @@ fn patches() -> Vec<BsplineSurface> {
     };
     let (indices, vertices) = (rows(None), rows(None));
     let bezier = KnotVector::bezier(3, Interval::UNIT).unwrap();
+    #[allow(clippy::cast_possible_truncation, reason = "small whole numbers")]
     let place = |index: &f64| Vector3::from_column_slice(&vertices[*index as usize]);
     let surface = |row: &Vec<f64>| {
         BsplineSurface::new(bezier.clone(), bezier.clone(), row.iter().map(place).collect(), None).unwrap()
