@@ -95,6 +95,28 @@ const MEASUREMENTS: &[Measurement] = &[
         arguments: &[],
         one_thread: true,
     },
+    Measurement {
+        name: "surfaces",
+        title: "Large fits of surfaces",
+        about: "From a cloud without parameters to the surface, on all threads. Wanted on two cores: 64,000 points and 55 x 55 control \
+                points in 3 s; a million points and 100 x 100 control points in 60 s and 4 GB.",
+        package: "sdm-fit",
+        features: "",
+        example: "large_surfaces",
+        arguments: &[],
+        one_thread: false,
+    },
+    Measurement {
+        name: "subdivision",
+        title: "Fits of Loop subdivision surfaces",
+        about: "A body from a coarse control mesh: point, tangent and squared distance minimisation, distances after each iteration as \
+                shares of the diagonal.",
+        package: "sdm-fit",
+        features: "",
+        example: "subdivision_cases",
+        arguments: &[],
+        one_thread: true,
+    },
 ];
 
 /// Runs the command.

@@ -10,7 +10,8 @@ use nurbs_core::Aabb;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct D2TreeOptions {
-    /// Largest error of the distance in a cell, as a share of the diagonal of the shape's box; default 1e-5.
+    /// Largest error of the distance in a cell, as a share of the diagonal of the shape's box; default 3e-3, which a
+    /// free-form surface reaches in seconds.
     pub tolerance: f64,
     /// How far the tree reaches beyond the box of the shape, as a share of its diagonal; default 0.1.
     pub margin: f64,
@@ -22,7 +23,7 @@ pub struct D2TreeOptions {
 
 impl Default for D2TreeOptions {
     fn default() -> Self {
-        Self { tolerance: 1e-5, margin: 0.1, max_depth: 10, max_leaves: 500_000 }
+        Self { tolerance: 3e-3, margin: 0.1, max_depth: 10, max_leaves: 500_000 }
     }
 }
 

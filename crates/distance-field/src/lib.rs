@@ -12,6 +12,7 @@
 //! | plane, sphere, cylinder, cone, torus | [`AnalyticField`] | closed form | as for surfaces |
 //! | line, circle | [`AnalyticCurveField`] | closed form | as for curves |
 //! | triangle meshes | [`MeshField`] | exact | 2 ([`MeshGeometry::Smooth`]), 1 and 0 on boundaries |
+//! | Loop subdivision surfaces | [`LoopField`] | exact, not certified | 2 inside, 1 on the boundary |
 //! | dense clouds | [`CloudField`] | on quadrics at the points | 2 |
 //! | level sets on grids | [`LevelSetField`] | exact for the spline through the values | 2 in space, 1 in the plane |
 //! | offsets of these | [`OffsetField`] | on the normals of the shape | all |
@@ -59,6 +60,7 @@ mod frame;
 mod kernel;
 mod level_set;
 mod local_geometry;
+mod loop_surface;
 mod mesh;
 mod offset;
 mod osculating;
@@ -79,6 +81,7 @@ pub use field::DistanceField;
 pub use frame::PrincipalFrame;
 pub use kernel::Kernel;
 pub use level_set::{Grid, LevelSetField};
+pub use loop_surface::LoopField;
 pub use mesh::{MeshField, MeshGeometry, MeshOptions};
 pub use offset::OffsetField;
 pub use quadratic::QuadraticModel;

@@ -5,8 +5,8 @@
 //! (both as a share of the distance), and the answers without convergence. The true distance comes from closed
 //! forms, or from dense samples that are refined by a pattern search.
 //!
-//! `kinds [COUNT [REPEATS [NAME]]]`: queries per set (default 500), runs per query (default 7), kinds whose name
-//! contains NAME.
+//! `kinds [COUNT [REPEATS [NAME [SET]]]]`: queries per set (default 500), runs per query (default 7), kinds whose name
+//! contains NAME, and of these the set SET alone (`on`, `near`, …).
 
 use footpoint::{CurveProjector, Status, SurfaceProjector};
 use nalgebra::{SVector, Vector2, Vector3};
@@ -71,7 +71,7 @@ fn main() -> Outcome<()> {
     let count = argument(1).map_or(Ok(500), |a| a.parse())?;
     let repeats = argument(2).map_or(Ok(7), |a| a.parse())?;
     let only = argument(3).unwrap_or_default();
-    let run = Run { count, repeats };
+    let run = Run { count, repeats, set: argument(4) };
     println!(
         "{:20} {:>6} {:>5} {:>8} {:>8} {:>8} {:>9} {:>9} {:>7}",
         "set", "points", "wrong", "mean", "99.9 %", "slowest", "excess", "gap", "stalled"
@@ -182,6 +182,8 @@ fn fan() -> Outcome<BsplineSurface> {
 struct Run {
     count: usize,
     repeats: usize,
+    /// The set that is run, all if none.
+    set: Option<String>,
 }
 
 impl Run {
@@ -211,7 +213,7 @@ impl Run {
             None => refined(&points, &[samples.clone(), vec![0.0]], x, &|at| curve.point(at[0])),
         };
         let mut random = Random(2005);
-        for set in SETS {
+        for set in SETS.into_iter().filter(|set| self.set.as_deref().is_none_or(|only| only == *set)) {
             let queries: Vec<_> = (0..self.count)
                 .map(|i| {
                     let t = domain.lerp(random.unit());
@@ -294,7 +296,7 @@ impl Run {
             None => refined(&points, &samples, x, &|at| surface.point(at[0], at[1])),
         };
         let mut random = Random(2005);
-        for set in SETS {
+        for set in SETS.into_iter().filter(|set| self.set.as_deref().is_none_or(|only| only == *set)) {
             let queries: Vec<_> = (0..self.count)
                 .map(|i| {
                     let mut at = [0, 1].map(|d| domain[d].lerp(random.unit()));

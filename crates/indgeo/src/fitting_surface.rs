@@ -7,6 +7,7 @@ use crate::report::{Input, Output, Report, Results, Timings};
 use crate::surface_start::{Start, from_cloud};
 use industrial_geometry::fit::{
     Error as FitError, Status, StepRecord, SurfaceOptions, SurfaceReport, fit_surface_with_progress,
+    with_controls,
 };
 use industrial_geometry::io::{self, Content, Model, ReadOptions, Shape, WriteOptions};
 use industrial_geometry::nurbs::BsplineSurface;
@@ -21,6 +22,8 @@ pub(crate) struct Job<'a> {
     pub(crate) points: &'a Path,
     /// File of the surface to start from.
     pub(crate) init: Option<&'a Path>,
+    /// Control points that the surface to start from shall have.
+    pub(crate) controls: Option<[usize; 2]>,
     /// File of the surface.
     pub(crate) out: Option<&'a Path>,
     /// Options of the library.
@@ -60,10 +63,16 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
     let found = Timings::measure(&mut timings.compute, || match start {
         Some(start) => {
             let finite: Vec<_> = points.iter().filter(|p| p.iter().all(|c| c.is_finite())).copied().collect();
-            fit_surface_with_progress(&finite, start, &job.options, &tell).map(|mut found| {
-                found.report.dropped = points.len() - finite.len();
-                (found.surface, found.report)
-            })
+            let start = match job.controls {
+                Some(controls) => with_controls(start, controls),
+                None => Ok(start),
+            };
+            start.and_then(|start| fit_surface_with_progress(&finite, start, &job.options, &tell)).map(
+                |mut found| {
+                    found.report.dropped = points.len() - finite.len();
+                    (found.surface, found.report)
+                },
+            )
         }
         None => from_cloud(&points, &job.options, &tell).map(|(surface, fitted, start)| {
             from = Some(start);

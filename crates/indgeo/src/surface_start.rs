@@ -76,25 +76,25 @@ pub(crate) fn from_cloud(
     options: &SurfaceOptions,
     progress: Progress<'_>,
 ) -> Result<Found, Error> {
+    let simple = |why: &str| -> Result<Found, Error> {
+        let found = fit_cloud_with_progress(points, options, progress)?;
+        Ok((found.surface, found.report, Start::simple(why.to_owned())))
+    };
+    if options.rational {
+        return simple("weights are for simple shapes, which give the first parameters");
+    }
     let shape = match options.base {
         BaseShape::Auto => Shape::Auto,
         BaseShape::Plane => Shape::Plane,
         BaseShape::Cylinder => Shape::Cylinder,
         BaseShape::Sphere => Shape::Sphere,
-        BaseShape::Torus => {
-            let found = fit_cloud_with_progress(points, options, progress)?;
-            return Ok((found.surface, found.report, Start::simple("it was asked for".to_owned())));
-        }
+        BaseShape::Torus => return simple("it was asked for"),
     };
     match over_base_surface(points, shape, options, progress) {
         Ok(found) => Ok(found),
         Err(ParameterError::Fit(error)) => Err(error),
         // Too few points, or nothing that closes: the simple shapes ask for less.
-        Err(error) => {
-            let found = fit_cloud_with_progress(points, options, progress)?;
-            let why = format!("a simple shape gave the first parameters: {error}");
-            Ok((found.surface, found.report, Start::simple(why)))
-        }
+        Err(error) => simple(&format!("a simple shape gave the first parameters: {error}")),
     }
 }
 

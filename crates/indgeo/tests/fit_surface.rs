@@ -41,6 +41,22 @@ fn a_tube_is_fitted_to_a_tolerance() {
     let again: Value = serde_json::from_str(&run.stdout).unwrap();
     assert_eq!(again["results"]["controls"], results["controls"]);
     assert!(again["results"]["base"].is_null());
+    // With more control points than it has, if asked.
+    let run = bench.run("fit-surface tube.xyz --init tube.json --controls 30x28 --json -");
+    let finer: Value = serde_json::from_str(&run.stdout).unwrap();
+    assert_eq!(finer["results"]["controls"], serde_json::json!([30, 28]));
+}
+
+#[test]
+fn a_cylinder_is_exact_with_weights() {
+    let bench = Bench::new();
+    let point = |k: usize| ((k as f64 * 0.618_033_988_75).fract() * TAU, (k as f64 + 0.5) / 500.0);
+    let line = |(a, h): (f64, f64)| format!("{} {} {}\n", 5.0 * a.cos(), 5.0 * a.sin(), 12.0 * h);
+    bench.put("cylinder.xyz", (0..500).map(point).map(line).collect::<String>());
+    let run = bench.run("fit-surface cylinder.xyz -o cylinder.json --rational --tolerance 1e-8 --json -");
+    assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+    let surface: Value = serde_json::from_str(&bench.text("cylinder.json")).unwrap();
+    assert!(surface["weights"].is_array());
 }
 
 #[test]
@@ -90,6 +106,7 @@ fn bad_input_and_usage() {
         ("fit-surface tube.xyz -o out.json --tolerance 0", "abs_tolerance"),
         ("fit-surface tube.xyz -o out.json --init tube.xyz", "a surface is needed"),
         ("fit-surface tube.xyz -o out.json --controls 3by4", "30x20"),
+        ("fit-surface tube.xyz -o out.json --init model.json --controls 1x1", "at least as many"),
         ("fit-surface missing.xyz -o out.json", "missing.xyz"),
     ] {
         let run = bench.run(command);

@@ -158,7 +158,7 @@ fn sum<const D: usize, S: ActiveShape<D>>(
 
 /// Adds `factorₛ · bᵢ bⱼ` to the sums of each component `s`; `products` is room for the `bᵢ bⱼ`, `j ≤ i`.
 #[inline(always)]
-fn add_products(basis: &[f64], factors: &[f64], products: &mut [f64], pairs: &mut [f64]) {
+pub(crate) fn add_products(basis: &[f64], factors: &[f64], products: &mut [f64], pairs: &mut [f64]) {
     let mut rest = &mut *products;
     for (i, b) in basis.iter().enumerate() {
         let (row, after) = std::mem::take(&mut rest).split_at_mut(i + 1);

@@ -1,5 +1,7 @@
 //! The loop: footpoints, quadratic models, a sparse linear system, a controlled step, again.
 
+mod search;
+
 use crate::assemble::{Normal, assemble};
 use crate::constraint::{Constraints, Prepared};
 use crate::fairing::Fairing;
@@ -14,6 +16,7 @@ use crate::weights::{measure, weights};
 use crate::{Error, Status};
 use distance_field::{ErrorTerm, Search};
 use nalgebra::SVector;
+use search::Searched;
 use std::ops::ControlFlow;
 
 /// Called after each iteration; may cancel.
@@ -31,15 +34,6 @@ pub fn no_progress(_: &StepRecord) -> ControlFlow<()> {
 const NEAR: f64 = 0.02;
 /// Iterations after which they are found anew all the same.
 const REFRESH: usize = 5;
-/// Share of the promised decrease that a step must bring (Armijo), and the shortest step.
-const DECREASE: f64 = 1e-4;
-const SHORTEST: f64 = 1e-6;
-/// First damping of Levenberg and Marquardt as a share of the mean of the diagonal, and the last.
-const DAMPING: [f64; 2] = [1e-4, 1e8];
-/// Least damping: what rounding leaves of a direction in which nothing changes.
-const LEAST: f64 = 1e-13;
-/// Largest lift of a matrix that is not positive definite.
-const LIFT: f64 = 10.0;
 /// A shape this much larger than the first one and the data has run away.
 const AWAY: f64 = 1e3;
 /// Below this neighbours agree on what is left: no noise.
@@ -143,15 +137,6 @@ struct Run<'a, const D: usize, S> {
     feet: Feet<D>,
     history: Vec<StepRecord>,
     evolution: Vec<Vec<SVector<f64, D>>>,
-}
-
-/// A step that was tried.
-struct Trial<const D: usize, S> {
-    shape: S,
-    feet: Feet<D>,
-    cost: f64,
-    displacement: f64,
-    factor: f64,
 }
 
 impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
@@ -303,109 +288,6 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
         self.samples.feet(shape, search, Some(&self.feet))
     }
 
-    /// The step under control.
-    fn search(
-        &mut self,
-        normal: &Normal<D>,
-        vector: &[SVector<f64, D>],
-        weights: &[f64],
-        cost: f64,
-    ) -> Result<Searched<D, S>, Error> {
-        let slack = 1e-13 * cost;
-        let mut damping =
-            if self.options.control == StepControl::LevenbergMarquardt { self.damping } else { 0.0 };
-        loop {
-            let Some(step) = self.solve(normal, vector, damping) else { return Ok(Searched::Singular) };
-            let longest = self.share(&step, 1.0);
-            if !longest.is_finite() {
-                return Ok(Searched::NotFinite);
-            }
-            let slope = -2.0 * vector.iter().zip(&step).map(|(v, s)| v.dot(s)).sum::<f64>();
-            match self.options.control {
-                StepControl::None => {
-                    return Ok(match self.attempt(&step, 1.0, weights)? {
-                        Some(trial) => Searched::Found(trial),
-                        None => Searched::NotFinite,
-                    });
-                }
-                StepControl::Armijo => {
-                    // Side conditions that do not hold yet come first.
-                    let slope = if self.side.has_conditions() { slope.min(0.0) } else { slope };
-                    let mut factor = 1.0;
-                    while factor > SHORTEST {
-                        if let Some(trial) = self.attempt(&step, factor, weights)?
-                            && trial.cost <= cost + DECREASE * factor * slope + slack
-                        {
-                            return Ok(Searched::Found(trial));
-                        }
-                        factor *= 0.5;
-                    }
-                    return Ok(Searched::None { displacement: longest, gain: slope.abs() });
-                }
-                StepControl::LevenbergMarquardt => {
-                    if let Some(trial) = self.attempt(&step, 1.0, weights)?
-                        && trial.cost <= cost + slack
-                    {
-                        self.damping = if damping <= DAMPING[0] { 0.0 } else { damping * 0.1 };
-                        return Ok(Searched::Found(trial));
-                    }
-                    damping = if damping == 0.0 { DAMPING[0] } else { damping * 10.0 };
-                    if damping > DAMPING[1] {
-                        return Ok(Searched::None { displacement: longest, gain: slope.abs() });
-                    }
-                }
-            }
-        }
-    }
-
-    /// The displacements that the models ask for.
-    fn solve(
-        &mut self,
-        normal: &Normal<D>,
-        vector: &[SVector<f64, D>],
-        damping: f64,
-    ) -> Option<Vec<SVector<f64, D>>> {
-        let mean = self.layout.mean_diagonal::<D>(&normal.matrix).abs();
-        let energy = (self.schedule.lambda, &self.energy);
-        let mut lift = LEAST;
-        loop {
-            let total = (damping + lift) * mean;
-            let factor = self.layout.factor::<D>(&normal.matrix, energy, total, &self.side.freedom);
-            let step = factor.and_then(|f| self.side.solve(&f, vector, self.shape.coefficients()));
-            if step.is_some() {
-                return step;
-            }
-            // Not positive definite: the Taylor model away from a minimum, or rounding.
-            lift *= 100.0;
-            if lift > LIFT {
-                return None;
-            }
-        }
-    }
-
-    /// The longest displacement as a share of the size.
-    fn share(&self, step: &[SVector<f64, D>], factor: f64) -> f64 {
-        step.iter().map(|s| s.norm()).fold(0.0, f64::max) * factor / self.size
-    }
-
-    /// The shape after a step; `None` if it is not finite.
-    fn attempt(
-        &mut self,
-        step: &[SVector<f64, D>],
-        factor: f64,
-        weights: &[f64],
-    ) -> Result<Option<Trial<D, S>>, Error> {
-        let moved: Vec<_> = self.shape.coefficients().iter().zip(step).map(|(d, s)| d + s * factor).collect();
-        let mut shape = self.shape.clone();
-        if shape.set_coefficients(&moved).is_err() {
-            return Ok(None);
-        }
-        let displacement = self.share(step, factor);
-        let feet = self.find(&shape, self.search_for(displacement))?;
-        let cost = measure(&feet, weights).0 + self.energy_of(&shape);
-        Ok(cost.is_finite().then_some(Trial { shape, feet, cost, displacement, factor }))
-    }
-
     fn finish(mut self, status: Status, initial_rms: f64) -> Result<Fitted<S, D>, Error> {
         if status == Status::Diverged
             && let Some((_, shape)) = self.best.take()
@@ -431,18 +313,6 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
         };
         Ok(Fitted { shape, report, frames: self.feet.frames, evolution: self.evolution })
     }
-}
-
-/// What a search for a step came to.
-enum Searched<const D: usize, S> {
-    Found(Trial<D, S>),
-    /// No step lowers the cost; `displacement` is what the full one would have been, `gain` what it promised.
-    None {
-        displacement: f64,
-        gain: f64,
-    },
-    Singular,
-    NotFinite,
 }
 
 /// Largest side of the box around coefficients.

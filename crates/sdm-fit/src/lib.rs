@@ -40,6 +40,7 @@ mod shape;
 mod simd;
 mod smoothing;
 mod status;
+pub mod subdivision;
 mod surface;
 mod target;
 mod weights;
@@ -55,5 +56,6 @@ pub use status::Status;
 pub use surface::{
     ActiveSurface, BaseShape, Folds, InitialSurface, NetSize, SurfaceFit, SurfaceOptions, SurfaceReport,
     fit_cloud, fit_cloud_with_progress, fit_surface, fit_surface_with_progress, initial_surface,
+    with_controls,
 };
 pub use target::Target;

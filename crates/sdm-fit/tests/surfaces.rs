@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use nurbs_core::{BsplineSurface, Interval, KnotVector, ParametricSurface};
 use sdm_fit::{
     ActiveShape, ActiveSurface, BaseShape, Error, FitOptions, Folds, NetSize, Smoothing, SurfaceOptions,
-    fit_cloud, fit_surface, initial_surface,
+    fit_cloud, fit_surface, initial_surface, with_controls,
 };
 use std::f64::consts::TAU;
 
@@ -276,4 +276,72 @@ fn folds_are_found() {
     assert_eq!(Folds::of(&folded).cells, 12);
     let domain = Interval::new(0.0, 1.0).unwrap();
     assert_eq!(folded.domain()[0], domain);
+}
+
+#[test]
+fn quadrics_and_tori_are_exact_with_weights() {
+    let mut noise = Noise(3);
+    let turn = nalgebra::Rotation3::from_euler_angles(0.3, -0.5, 0.8);
+    let shift = Vector3::new(10.0, -4.0, 7.0);
+    let mut cloud = |count: usize, shape: &dyn Fn(f64, f64) -> Vector3<f64>| -> Vec<Vector3<f64>> {
+        (0..count).map(|_| turn * shape(TAU * noise.next(), noise.next() + 0.5) + shift).collect()
+    };
+    let cylinder = cloud(800, &|a, h| Vector3::new(3.0 * a.cos(), 3.0 * a.sin(), 8.0 * h));
+    let sphere = cloud(1500, &|a, h| {
+        let z = 2.0 * h - 1.0;
+        let r = (1.0 - z * z).sqrt();
+        Vector3::new(r * a.cos(), r * a.sin(), z) * 2.5
+    });
+    let torus = cloud(1500, &|a, h| {
+        let b = TAU * h;
+        let r = 5.0 + 1.5 * b.cos();
+        Vector3::new(r * a.cos(), r * a.sin(), 1.5 * b.sin())
+    });
+    // In a spiral, and a hyperboloid of one sheet.
+    let turns: Vec<_> =
+        (0..500).map(|k| (f64::from(k) * 0.618_034 * TAU, (f64::from(k) + 0.5) / 500.0)).collect();
+    let round = |r: f64, a: f64, z: f64| Vector3::new(r * a.cos(), r * a.sin(), z);
+    let spiral = turns.iter().map(|&(a, h)| round(5.0, a, 12.0 * h)).collect();
+    let waist =
+        turns.iter().map(|&(a, h)| round((1.0 + (2.0 * h - 0.8).powi(2)).sqrt(), a, 2.0 * h - 0.8)).collect();
+    let more = [("spiral", spiral, 12.0), ("hyperboloid", waist, 3.0)];
+    for (name, points, size) in
+        more.into_iter().chain([("cylinder", cylinder, 8.0), ("sphere", sphere, 5.0), ("torus", torus, 13.0)])
+    {
+        let found = fit_cloud(&points, &SurfaceOptions::default().with_rational(true)).unwrap();
+        assert!(found.report.fit.max <= 1e-9 * size, "{name}: {}", found.report);
+        assert!(found.surface.weights().is_some());
+    }
+}
+
+#[test]
+fn a_rational_start_is_improved_with_its_weights() {
+    let truth = nurbs_core::Sphere::new(nurbs_core::Frame::WORLD, 2.0).unwrap().to_nurbs().unwrap();
+    let [u, v] = truth.domain();
+    let points: Vec<_> = (0..900)
+        .map(|k| {
+            truth.point(u.lerp((f64::from(k) * 0.618_034).fract()), v.lerp((f64::from(k) + 0.5) / 900.0))
+        })
+        .collect();
+    let (knots_u, knots_v, net, weights) = truth.into_parts();
+    let net: Vec<_> = net.iter().map(|p| p * 1.02 + Vector3::new(0.01, 0.0, 0.0)).collect();
+    let weights = weights.map(|w| w.iter().map(|w| w * if *w < 0.8 { 1.1 } else { 1.0 }).collect());
+    let start = BsplineSurface::new(knots_u, knots_v, net, weights).unwrap();
+    let options = SurfaceOptions::default();
+    assert!(matches!(fit_surface(&points, start.clone(), &options), Err(Error::Rational)));
+    let found = fit_surface(&points, start, &options.with_rational(true)).unwrap();
+    assert!(found.report.fit.max < 2e-9, "{}", found.report);
+    assert!(found.report.fit.is_converged() && found.report.fit.history.len() > 2);
+}
+
+#[test]
+fn a_start_gets_as_many_control_points_as_asked() {
+    let start = patch();
+    let finer = with_controls(start.clone(), [11, 6]).unwrap();
+    assert_eq!((finer.n_u(), finer.n_v()), (11, 6));
+    for k in 0..100 {
+        let (u, v) = (f64::from(k % 10) / 9.0, f64::from(k / 10) / 9.0);
+        assert!((finer.point(u, v) - start.point(u, v)).norm() < 1e-13);
+    }
+    assert!(matches!(with_controls(start, [6, 6]), Err(Error::Option { name: "controls", .. })));
 }

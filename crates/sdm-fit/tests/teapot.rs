@@ -1,12 +1,15 @@
 //! Points sampled on the bicubic patches of the Utah teapot, fitted with the same knots: with their parameters the control points
 //! come back, and stay where they are in a fit without parameters; from a displaced net and without parameters the shape does.
-//! (Its control points do not: parameters that slide along a patch hardly change it.)
+//! (Its control points do not: parameters that slide along a patch hardly change it. With the boundary given they do.)
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use distance_field::ErrorTerm;
 use nalgebra::Vector3;
 use nurbs_core::{BsplineSurface, Interval, KnotVector, ParametricSurface, SurfaceFitOptions};
-use sdm_fit::{ActiveSurface, Constraints, FitOptions, FootpointPolicy, Smoothing, Target, fit};
+use sdm_fit::{
+    ActiveSurface, Constraints, FitOptions, FootpointPolicy, Smoothing, SurfaceOptions, Target, fit,
+    fit_surface,
+};
 
 /// The patches of the fixture.
 fn patches() -> Vec<BsplineSurface> {
@@ -21,6 +24,7 @@ fn patches() -> Vec<BsplineSurface> {
     };
     let (indices, vertices) = (rows(None), rows(None));
     let bezier = KnotVector::bezier(3, Interval::UNIT).unwrap();
+    #[allow(clippy::cast_possible_truncation, reason = "small whole numbers")]
     let place = |index: &f64| Vector3::from_column_slice(&vertices[*index as usize]);
     let surface = |row: &Vec<f64>| {
         BsplineSurface::new(bezier.clone(), bezier.clone(), row.iter().map(place).collect(), None).unwrap()
@@ -96,5 +100,32 @@ fn shapes_come_back_from_displaced_nets() {
             report.initial_rms > 1e-3 * size(patch) && report.rms < 1e-5 * size(patch),
             "{number}: {report}"
         );
+    }
+}
+
+#[test]
+fn inner_control_points_come_back_where_the_boundary_is_given() {
+    let whole = |patch: &BsplineSurface| {
+        let corners = [(0, 0), (0, 3), (3, 0), (3, 3)].map(|(i, j)| patch.control_point(i, j));
+        (0..4).all(|i| (0..i).all(|j| (corners[i] - corners[j]).norm() > 1e-9))
+    };
+    let patches: Vec<_> = patches().into_iter().filter(whole).collect();
+    assert!(patches.len() >= 20);
+    for (number, truth) in patches.iter().enumerate() {
+        let (points, size) = (sample(truth).1, size(truth));
+        let mut net = truth.control_points().to_vec();
+        for (k, i) in [5, 6, 9, 10].into_iter().enumerate() {
+            let s = |x: f64| (x * (number + k + 1) as f64).sin();
+            net[i] += Vector3::new(s(1.3), s(2.1), s(3.7)) * (0.02 * size);
+        }
+        let start = BsplineSurface::new(truth.knots_u().clone(), truth.knots_v().clone(), net, None).unwrap();
+        let fit = FitOptions::default()
+            .with_smoothing(Smoothing::Continuation { start: 1e-8, factor: 0.01, floor: 0.0 })
+            .with_cost_tolerance(0.0);
+        let options = SurfaceOptions::default().with_fixed_boundary(true).with_fit(fit);
+        let found = fit_surface(&points, start, &options).unwrap();
+        let off = largest_difference(truth.control_points(), found.surface.control_points());
+        assert!(found.report.fit.rms < 1e-10 * size, "{number}: {}", found.report);
+        assert!(off < 1e-9 * size, "{number}: {off:e} of {size}, {}", found.report);
     }
 }

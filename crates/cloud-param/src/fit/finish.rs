@@ -116,8 +116,9 @@ pub fn finish_fit_with_progress(
     let data: Vec<Vector3<f64>> = used.iter().map(|&i| points[i]).collect();
     let made = fit_surface_with_progress(&data, fitted.surface.clone(), options, progress)?;
     let cancelled = made.report.fit.status == Status::Cancelled;
-    // With knots inserted there is no way back to the beginning.
-    let same_knots = made.surface.knots_u() == fitted.surface.knots_u()
+    // With knots inserted, or with weights, there is no way back to the beginning.
+    let same_knots = made.surface.weights().is_none()
+        && made.surface.knots_u() == fitted.surface.knots_u()
         && made.surface.knots_v() == fitted.surface.knots_v();
     let defects = |surface: &BsplineSurface| SurfaceDefects::of(surface, None);
     let (before, raw) = (defects(&fitted.surface), defects(&made.surface));

@@ -29,9 +29,10 @@ pub(crate) struct Args {
     /// Share of the points that must lie within the tolerance, 0 to 1
     #[arg(long, value_name = "SHARE", default_value_t = 1.0, requires = "tolerance")]
     share: f64,
-    /// Control points in u and v (to begin with, where there is a tolerance)
-    #[arg(long, value_name = "NxM", default_value = "12x12", value_parser = parse_pair, conflicts_with = "init")]
-    controls: [usize; 2],
+    /// Control points in u and v (to begin with, where there is a tolerance); 12x12, or those of --init, which gets more knots for
+    /// more
+    #[arg(long, value_name = "NxM", value_parser = parse_pair)]
+    controls: Option<[usize; 2]>,
     /// Most control points, for --tolerance
     #[arg(long, value_name = "N", default_value_t = 10_000)]
     max_controls: usize,
@@ -47,6 +48,9 @@ pub(crate) struct Args {
     /// Keep the control points on the open edges of the start
     #[arg(long)]
     fixed_boundary: bool,
+    /// Let weights be unknowns, too: cylinders, spheres and other quadrics are exact (no boundary is kept then)
+    #[arg(long, conflicts_with = "fixed_boundary")]
+    rational: bool,
     /// What is minimised in a step
     #[arg(long, value_enum, default_value_t = MethodChoice::SquaredDistance)]
     method: MethodChoice,
@@ -152,11 +156,12 @@ impl Args {
         }
         defaults
             .with_base(base)
-            .with_size(NetSize { degrees: self.degrees, controls: self.controls })
+            .with_size(NetSize { degrees: self.degrees, controls: self.controls.unwrap_or([12, 12]) })
             .with_abs_tolerance(self.tolerance)
             .with_share(self.share)
             .with_max_controls(self.max_controls)
             .with_fixed_boundary(self.fixed_boundary)
+            .with_rational(self.rational)
             .with_fit(fit)
     }
 }
@@ -169,6 +174,7 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
     let job = Job {
         points: &args.points,
         init: args.init.as_deref(),
+        controls: args.controls,
         out: args.out.as_deref(),
         options: args.options(),
         quiet: common.quiet,

@@ -206,7 +206,7 @@ fn areas(surface: &BsplineSurface, spans: &[Vec<usize>; 2]) -> Vec<CellArea> {
 
 /// The coefficient of each control point, and their number: rows that repeat in closed directions share theirs, and so do
 /// the points of an edge that is one point.
-fn unknowns_of(surface: &BsplineSurface) -> (Vec<usize>, usize) {
+pub(super) fn unknowns_of(surface: &BsplineSurface) -> (Vec<usize>, usize) {
     let (n_u, n_v) = (surface.n_u(), surface.n_v());
     let (d_u, d_v) = (surface.knots_u().distinct_count(), surface.knots_v().distinct_count());
     let net = surface.control_points();

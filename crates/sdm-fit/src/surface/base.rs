@@ -1,6 +1,6 @@
 //! Base shapes: parameters of a cloud by projection.
 
-use super::initial::{BaseShape, NetSize, approximate};
+use super::initial::{BaseShape, NetSize, approximate, knots};
 use crate::Error;
 use crate::primitive::{PrimitiveOptions, fit_torus, start};
 use nalgebra::{DMatrix, DVector, Vector2, Vector3};
@@ -58,7 +58,7 @@ fn misfit(points: &[Vector3<f64>], base: &Base) -> Option<f64> {
     let side = if thin.len() < 400 { 5 } else { 10 };
     let coarse = Base { parameters, ..base.clone() };
     let size = NetSize { controls: [side, side], ..NetSize::default() };
-    let surface = approximate(&thin, &coarse, size).ok()?;
+    let surface = approximate(&thin, &coarse, knots(base.shape, size).ok()?).ok()?;
     let square = |(x, p): (&Vector3<f64>, &[f64; 2])| (x - surface.point(p[0], p[1])).norm_squared();
     let sum: f64 = thin.iter().zip(&coarse.parameters).map(square).sum();
     Some((sum / thin.len() as f64).sqrt())

@@ -1,12 +1,13 @@
 //! Surfaces fitted to clouds.
 
+use super::InitialSurface;
 use super::folds::Folds;
 use super::initial::{BaseShape, NetSize, initial_surface};
-use super::refine::refined;
-use super::{ActiveSurface, InitialSurface};
-use crate::iterate::{Progress, fit_with_progress, no_progress};
-use crate::shape::ActiveShape;
-use crate::{Constraints, Error, FitOptions, FitReport, Fitted, Smoothing, Status, StepRecord, Target};
+use super::rational::{EXACT, conic_starts, improved};
+use super::refine::{coarser, refined};
+use super::runs::{Outcome, Runs, share_within};
+use crate::iterate::{Progress, no_progress};
+use crate::{Error, FitOptions, FitReport, Status, Target};
 use distance_field::PrincipalFrame;
 use nalgebra::Vector3;
 use nurbs_core::BsplineSurface;
@@ -14,13 +15,8 @@ use nurbs_core::BsplineSurface;
 /// Factor of the fairing by default: the least that leaves no folds in noisy scans.
 const FAIRING: f64 = 3e-5;
 
-/// Coefficients up to which the data are asked for the smoothing, and the factor of the energy above.
-const ASKED: usize = 2500;
-const TRIFLE: f64 = 1e-6;
-/// How often a folded surface is faired more, and the steps each time.
-const UNFOLDINGS: usize = 6;
-const UNFOLDING_STEPS: usize = 6;
-const STIFFER: f64 = 10.0;
+/// Shares of the tolerance by which the removal of knots may move the surface, tried one after the other.
+const REMOVALS: [f64; 3] = [0.5, 0.25, 0.1];
 
 /// How a cloud is made a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,7 +26,8 @@ pub struct SurfaceOptions {
     pub base: BaseShape,
     /// Degrees and control points to begin with.
     pub size: NetSize,
-    /// Largest distance that is wanted (a length): knots are inserted until it holds or the cap is met; default none.
+    /// Largest distance that is wanted (a length): knots are inserted until it holds or the cap is met, and removed where they carry
+    /// nothing; default none.
     pub abs_tolerance: Option<f64>,
     /// Share of the points that must lie within the tolerance; default 1.
     pub share: f64,
@@ -38,6 +35,9 @@ pub struct SurfaceOptions {
     pub max_controls: usize,
     /// Whether the control points on open edges of the start stay where they are; default not.
     pub fixed_boundary: bool,
+    /// Whether weights are unknowns, too, so that cylinders, spheres, other quadrics and tori are exact; default not. Boundaries
+    /// are free then.
+    pub rational: bool,
     /// The loop; the default takes second derivatives as energy, fairs parameter lines, and stops after 30 iterations or three
     /// that change the mean squared distance by less than 0.2 %.
     pub fit: FitOptions,
@@ -52,6 +52,7 @@ impl Default for SurfaceOptions {
             share: 1.0,
             max_controls: 10_000,
             fixed_boundary: false,
+            rational: false,
             fit: FitOptions::default()
                 .with_energy([0.0, 1.0, 0.0])
                 .with_max_iterations(30)
@@ -86,6 +87,8 @@ impl SurfaceOptions {
         with_max_controls(max_controls: usize);
         /// The same options with a boundary that stays or moves.
         with_fixed_boundary(fixed_boundary: bool);
+        /// The same options with or without weights.
+        with_rational(rational: bool);
         /// The same options for the loop.
         with_fit(fit: FitOptions);
     }
@@ -185,16 +188,43 @@ pub fn fit_cloud_with_progress(
     let finite: Vec<Vector3<f64>> =
         points.iter().filter(|p| p.iter().all(|c| c.is_finite())).copied().collect();
     let InitialSurface { surface, base, .. } = initial_surface(&finite, options.base, options.size)?;
-    let mut found = fit_surface_with_progress(&finite, surface, options, progress)?;
+    let conic = if options.rational { conic(&finite, base, options, progress)? } else { None };
+    let mut found = match conic {
+        Some(found) => found,
+        None => fit_surface_with_progress(&finite, surface, options, progress)?,
+    };
     found.report.base = Some(base);
     found.report.dropped = points.len() - finite.len();
     Ok(found)
 }
 
+/// A surface of conic arcs, if one is exact.
+fn conic(
+    points: &[Vector3<f64>],
+    base: BaseShape,
+    options: &SurfaceOptions,
+    progress: Progress<'_>,
+) -> Result<Option<SurfaceFit>, Error> {
+    let options = options.with_abs_tolerance(None);
+    for start in conic_starts(points, base)? {
+        if start.control_points().len() > points.len() {
+            continue;
+        }
+        let found = fit_surface_with_progress(points, start, &options, progress)?;
+        let net = found.surface.control_points();
+        let size = net.iter().map(|p| (p - net[0]).amax()).fold(0.0, f64::max);
+        if found.report.fit.rms <= EXACT * size || found.report.fit.status == Status::Cancelled {
+            return Ok(Some(found));
+        }
+    }
+    Ok(None)
+}
+
 /// Fits a surface to points from where it is; `base` and `size` of the options are not looked at.
 ///
 /// # Errors
-/// As for [`fit`](crate::fit()); [`Error::Rational`] for a surface with weights.
+/// As for [`fit`](crate::fit()); [`Error::Rational`] for a surface with weights, unless these are unknowns
+/// ([`SurfaceOptions::rational`]).
 pub fn fit_surface(
     points: &[Vector3<f64>],
     initial: BsplineSurface,
@@ -219,100 +249,80 @@ pub fn fit_surface_with_progress(
     let middle = net.iter().sum::<Vector3<f64>>() / net.len().max(1) as f64;
     let local: Vec<Vector3<f64>> = points.iter().map(|p| p - middle).collect();
     let target = Target::Points { points: &local, weights: None };
-    let mut surface = initial.translated(&-middle)?;
-    let (mut history, mut initial_rms, mut runs) = (Vec::new(), None, 0);
-    loop {
-        let shape = ActiveSurface::new(surface)?;
-        let mut constraints = Constraints::none();
-        if options.fixed_boundary {
-            for k in shape.boundary() {
-                constraints = constraints.with_held(k, shape.coefficients()[k]);
+    let surface = initial.translated(&-middle)?;
+    if options.rational && surface.weights().is_some() {
+        let folds = Folds::of(&surface);
+        let (found, status, steps) = improved(&local, surface, progress)?;
+        let report = found.report(None, status, steps);
+        return concluded(found.surface, found.frames, report, Run { runs: 1, folds }, options, &middle);
+    }
+    let mut runs = Runs::new(target, options, progress);
+    let mut outcome = runs.run(surface)?;
+    let initial_rms = outcome.fitted.report.initial_rms;
+    let good = |outcome: &Outcome| {
+        options.abs_tolerance.is_none_or(|tolerance| outcome.share_within(tolerance) >= options.share)
+    };
+    let cancelled = |outcome: &Outcome| outcome.fitted.report.status == Status::Cancelled;
+    while !good(&outcome) && !cancelled(&outcome) {
+        let (tolerance, shape) = (options.abs_tolerance.unwrap_or(0.0), outcome.fitted.shape.surface());
+        let Some(finer) = refined(shape, &outcome.fitted.frames, tolerance, options.max_controls)? else {
+            break;
+        };
+        outcome = runs.run(finer)?;
+    }
+    // Knots were inserted in rows; some carry nothing.
+    if let Some(tolerance) = options.abs_tolerance.filter(|_| runs.count > 1 && good(&outcome)) {
+        for share in REMOVALS {
+            let Some(coarser) = coarser(outcome.fitted.shape.surface(), share * tolerance)? else { break };
+            let trial = runs.run(coarser)?;
+            if good(&trial) && trial.folds.count() <= outcome.folds.count() {
+                outcome = trial;
+            }
+            if cancelled(&outcome) {
+                break;
             }
         }
-        let fit = for_size(&options.fit, shape.coefficients().len());
-        let mut fitted = fit_with_progress(shape, target, &constraints, &fit, progress)?;
-        runs += 1;
-        initial_rms = initial_rms.or(Some(fitted.report.initial_rms));
-        history.append(&mut fitted.report.history);
-        let folds = unfold(&mut fitted, &mut history, target, &constraints, &fit, progress)?;
-        surface = fitted.shape.into_surface();
-        let share_within = options.abs_tolerance.map(|tolerance| share_within(&fitted.frames, tolerance));
-        let within = share_within.is_none_or(|share| share >= options.share);
-        let finer = if within || fitted.report.status == Status::Cancelled {
-            None
-        } else {
-            refined(&surface, &fitted.frames, options.abs_tolerance.unwrap_or(0.0), options.max_controls)?
-        };
-        if let Some(finer) = finer {
-            surface = finer;
-            continue;
-        }
-        (1..).zip(&mut history).for_each(|(number, step)| step.iteration = number);
-        fitted.report.history = history;
-        fitted.report.initial_rms = initial_rms.unwrap_or(fitted.report.rms);
-        let controls = [surface.knots_u().distinct_count(), surface.knots_v().distinct_count()];
-        let report = SurfaceReport {
-            folds,
-            fit: fitted.report,
-            base: None,
-            controls,
-            runs,
-            share_within,
-            within_tolerance: within,
-            dropped: 0,
-        };
-        let mut frames = fitted.frames;
-        frames.iter_mut().for_each(|frame| frame.foot += middle);
-        return Ok(SurfaceFit { surface: surface.translated(&middle)?, report, frames });
     }
-}
-
-/// The options for a number of coefficients: of large nets the data are not asked for the smoothing, since that takes longer
-/// than the fit; their energy falls to a trifle that only bridges gaps.
-fn for_size(options: &FitOptions, coefficients: usize) -> FitOptions {
-    match options.smoothing {
-        Smoothing::Automatic { start, .. } if coefficients > ASKED => {
-            options.with_smoothing(Smoothing::Continuation { start, factor: 0.25, floor: TRIFLE })
-        }
-        _ => *options,
-    }
-}
-
-/// Goes on with more fairing around folded cells, a few times; the folds that stay.
-fn unfold(
-    fitted: &mut Fitted<ActiveSurface, 3>,
-    history: &mut Vec<StepRecord>,
-    target: Target<'_, 3>,
-    constraints: &Constraints<3>,
-    options: &FitOptions,
-    progress: Progress<'_>,
-) -> Result<Folds, Error> {
-    let mut folds = Folds::of(fitted.shape.surface());
-    for _ in 0..UNFOLDINGS {
-        if folds.count() == 0 || options.fairing <= 0.0 || fitted.report.status == Status::Cancelled {
-            break;
-        }
-        fitted.shape.stiffen(&folds.folded, STIFFER);
-        let lambda = fitted.report.lambda;
-        let more = options.with_smoothing(Smoothing::Fixed { lambda }).with_max_iterations(UNFOLDING_STEPS);
-        let status = fitted.report.status;
-        let mut next = fit_with_progress(fitted.shape.clone(), target, constraints, &more, progress)?;
-        history.append(&mut next.report.history);
-        let left = Folds::of(next.shape.surface());
-        if left.count() > folds.count() && next.report.status != Status::Cancelled {
-            continue;
-        }
-        folds = left;
-        *fitted = next;
-        if fitted.report.status == Status::MaxIterations {
-            fitted.report.status = status;
+    let Outcome { fitted, folds } = outcome;
+    (1..).zip(&mut runs.history).for_each(|(number, step)| step.iteration = number);
+    let mut report = FitReport { history: runs.history, initial_rms, ..fitted.report };
+    let (mut surface, mut frames) = (fitted.shape.into_surface(), fitted.frames);
+    if options.rational && report.status != Status::Cancelled {
+        let (found, status, steps) = improved(&local, surface.clone(), progress)?;
+        if found.rms() < report.rms {
+            report = found.report(Some(report), status, steps);
+            (surface, frames) = (found.surface, found.frames);
         }
     }
-    Ok(folds)
+    concluded(surface, frames, report, Run { runs: runs.count, folds }, options, &middle)
 }
 
-fn share_within(frames: &[PrincipalFrame<3>], tolerance: f64) -> f64 {
-    // Points without a foot are not within.
-    let inside = frames.iter().filter(|f| f.distance.abs() <= tolerance).count();
-    inside as f64 / frames.len().max(1) as f64
+/// What is known of a fit besides its last run.
+struct Run {
+    runs: usize,
+    folds: Folds,
+}
+
+/// The result in the coordinates of the points.
+fn concluded(
+    surface: BsplineSurface,
+    mut frames: Vec<PrincipalFrame<3>>,
+    fit: FitReport,
+    run: Run,
+    options: &SurfaceOptions,
+    middle: &Vector3<f64>,
+) -> Result<SurfaceFit, Error> {
+    let share_within = options.abs_tolerance.map(|tolerance| share_within(&frames, tolerance));
+    let report = SurfaceReport {
+        fit,
+        base: None,
+        controls: [surface.knots_u().distinct_count(), surface.knots_v().distinct_count()],
+        runs: run.runs,
+        share_within,
+        within_tolerance: share_within.is_none_or(|share| share >= options.share),
+        folds: run.folds,
+        dropped: 0,
+    };
+    frames.iter_mut().for_each(|frame| frame.foot += middle);
+    Ok(SurfaceFit { surface: surface.translated(middle)?, report, frames })
 }

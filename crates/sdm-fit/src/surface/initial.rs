@@ -101,12 +101,12 @@ pub fn initial_surface(
         return Err(Error::Degenerate { shape: "a surface", what });
     }
     let found = choose(&local, base)?;
-    let surface = approximate(&local, &found, size)?.translated(&middle)?;
+    let surface = approximate(&local, &found, knots(found.shape, size)?)?.translated(&middle)?;
     Ok(InitialSurface { surface, base: found.shape, parameters: found.parameters })
 }
 
 /// The knots of a surface over a base.
-fn knots(base: BaseShape, size: NetSize) -> Result<[KnotVector; 2], Error> {
+pub(super) fn knots(base: BaseShape, size: NetSize) -> Result<[KnotVector; 2], Error> {
     let closed = base != BaseShape::Plane;
     let u = if closed {
         KnotVector::uniform_periodic(size.degrees[0], size.controls[0])?
@@ -123,13 +123,12 @@ fn knots(base: BaseShape, size: NetSize) -> Result<[KnotVector; 2], Error> {
     Ok([u, v])
 }
 
-/// The least squares surface at given parameters, with poles where the base has them.
+/// The least squares surface with given knots at the parameters of a base, with poles where it has them.
 pub(super) fn approximate(
     points: &[Vector3<f64>],
     base: &Base,
-    size: NetSize,
+    knots: [KnotVector; 2],
 ) -> Result<BsplineSurface, Error> {
-    let knots = knots(base.shape, size)?;
     let options = SurfaceFitOptions::default().with_regularization(STIFFNESS);
     let surface = BsplineSurface::approximate(knots, &base.parameters, points, &options)?.shape;
     if base.shape != BaseShape::Sphere {

@@ -6,7 +6,9 @@ mod edge;
 mod fit;
 mod folds;
 mod initial;
+mod rational;
 mod refine;
+mod runs;
 
 pub use active::ActiveSurface;
 pub use fit::{
@@ -15,3 +17,4 @@ pub use fit::{
 };
 pub use folds::Folds;
 pub use initial::{BaseShape, InitialSurface, NetSize, initial_surface};
+pub use refine::with_controls;

@@ -10,6 +10,45 @@ const SHARE: f64 = 0.35;
 /// Points that must lie along a span for it to be halved.
 const FEWEST: usize = 8;
 
+/// The same surface with as many control points in u and v (not counting repetitions) as are asked for: knots are inserted in the
+/// middle of the longest spans.
+///
+/// # Errors
+/// [`Error::Option`] when it has more of them already: knots of a surface that does not need them are removed by
+/// [`BsplineSurface::remove_all_within`].
+pub fn with_controls(surface: BsplineSurface, controls: [usize; 2]) -> Result<BsplineSurface, Error> {
+    let mut result = surface;
+    for (d, direction) in [Direction::U, Direction::V].into_iter().enumerate() {
+        let knots = [result.knots_u(), result.knots_v()][d];
+        let Some(missing) = controls[d].checked_sub(knots.distinct_count()) else {
+            let value = controls[d] as f64;
+            let allowed = "at least as many as the start has in each direction";
+            return Err(Error::Option { name: "controls", value, allowed });
+        };
+        let mut pieces: Vec<(f64, f64)> = knots
+            .spans()
+            .map(|span| knots.span_interval(span))
+            .map(|interval| (interval.start(), interval.end()))
+            .collect();
+        let mut new = Vec::with_capacity(missing);
+        for _ in 0..missing {
+            // The first of the longest, up to rounding, so that equal spans are halved one after the other.
+            let longest = pieces.iter().map(|(a, b)| b - a).fold(0.0, f64::max) * (1.0 - 1e-9);
+            let Some(at) = pieces.iter().position(|(a, b)| b - a >= longest) else { break };
+            let (a, b) = pieces[at];
+            let middle = 0.5 * (a + b);
+            new.push(middle);
+            pieces[at] = (a, middle);
+            pieces.insert(at + 1, (middle, b));
+        }
+        if !new.is_empty() {
+            new.sort_by(f64::total_cmp);
+            result = result.refine(direction, &new)?;
+        }
+    }
+    Ok(result)
+}
+
 /// The surface with a knot more in the middle of the spans along which points are further away than the tolerance ([YWS04]);
 /// `None` if no span can be halved under the cap of control points.
 ///
@@ -55,6 +94,14 @@ pub(super) fn refined(
     Ok(result)
 }
 
+/// The surface without the knots that can be removed so that it moves by no more than a length in all ([PT97, A9.8]); `None` where
+/// none can.
+pub(super) fn coarser(surface: &BsplineSurface, tolerance: f64) -> Result<Option<BsplineSurface>, Error> {
+    let (first, in_u) = surface.remove_all_within(Direction::U, 0.5 * tolerance)?;
+    let (both, in_v) = first.remove_all_within(Direction::V, 0.5 * tolerance)?;
+    Ok((in_u.removed + in_v.removed > 0).then_some(both))
+}
+
 /// Middles of the spans with the largest excess.
 fn middles(knots: &KnotVector, spans: &[usize], excess: &[f64], counts: &[usize], room: usize) -> Vec<f64> {
     let mut order: Vec<usize> =
@@ -91,4 +138,26 @@ fn cell_lengths(surface: &BsplineSurface, spans: &[Vec<usize>; 2]) -> [f64; 2] {
         }
     }
     [0, 1].map(|d| sums[d] / spans[d].len() as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nurbs_core::ParametricSurface;
+
+    #[test]
+    fn knots_that_carry_nothing_are_removed() {
+        let (u, v) =
+            (KnotVector::uniform_clamped(3, 6).unwrap(), KnotVector::uniform_periodic(3, 7).unwrap());
+        let point = |k: usize| {
+            let (i, a) = ((k / 10) as f64, std::f64::consts::TAU * (k % 10 % 7) as f64 / 7.0);
+            Vector3::new((2.0 + (3.0 * i).sin()) * a.cos(), (2.0 + (2.0 * i).cos()) * a.sin(), i)
+        };
+        let surface = BsplineSurface::new(u, v, (0..60).map(point).collect(), None).unwrap();
+        let finer = with_controls(surface.clone(), [9, 12]).unwrap();
+        let back = coarser(&finer, 1e-9).unwrap().unwrap();
+        assert_eq!((back.n_u(), back.knots_v().distinct_count()), (6, 7));
+        assert!((back.point(0.3, 1.7) - surface.point(0.3, 1.7)).norm() < 1e-9);
+        assert!(coarser(&surface, 1e-9).unwrap().is_none());
+    }
 }
