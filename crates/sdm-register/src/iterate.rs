@@ -60,6 +60,9 @@ const TRUST: f64 = 0.3;
 const ROUNDING: f64 = 1e-7;
 /// First damping, as a share of the largest eigenvalue, and the last.
 const DAMPING: [f64; 2] = [1e-3, 1e8];
+/// A step creeps when it lowers the cost by less than the first share, and is longer than the second share of the one before.
+/// After so many of them one after the other the rest is a motion along the shape that makes no difference.
+const CREEPING: (f64, f64, u32) = (1e-7, 0.9, 8);
 /// Fewest directions that determine a motion.
 const fn fewest(dimension: usize) -> usize {
     dimension
@@ -140,6 +143,7 @@ impl<const D: usize> Problem<'_, D> {
             trusted: stage.method == Method::Newton,
             damping: 0.0,
             last_motion: f64::INFINITY,
+            creeping: 0,
             evaluations: 0,
             anderson: (stage.method == Method::AndersonPoint
                 && !self.options.locks.any()
@@ -170,6 +174,8 @@ struct Run<'a, const D: usize> {
     trusted: bool,
     damping: f64,
     last_motion: f64,
+    /// Steps one after the other that made no difference, see [`CREEPING`].
+    creeping: u32,
     evaluations: usize,
     anderson: Option<Anderson<D>>,
 }
@@ -255,6 +261,13 @@ impl<const D: usize> Run<'_, D> {
         let left = if ratio < 1.0 { trial.motion * ratio / (1.0 - ratio) } else { trial.motion };
         let full = self.damping == 0.0 && trial.factor == 1.0;
         if full && (left <= self.tolerance() || trial.motion <= self.tolerance()) {
+            return ControlFlow::Break(Status::Converged);
+        }
+        let (gain, shrinking, most) = CREEPING;
+        let creeps = models.system.cost - trial.cost < gain * models.system.cost && ratio > shrinking;
+        self.creeping = if creeps { self.creeping + 1 } else { 0 };
+        // A method that is asked for by name goes on, as slowly as it does.
+        if self.stage.method == Method::Adaptive && self.creeping >= most {
             return ControlFlow::Break(Status::Converged);
         }
         ControlFlow::Continue(())

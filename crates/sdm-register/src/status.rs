@@ -7,7 +7,8 @@ use std::fmt;
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
 #[non_exhaustive]
 pub enum Status {
-    /// What is left of the motion is below the tolerance.
+    /// What is left of the motion is below the tolerance; or, by the default method, it goes on along the shape without a
+    /// difference to the cost.
     Converged,
     /// No step lowers the cost, although the motion is not below the tolerance.
     Stalled,
