@@ -6,7 +6,7 @@
 //! forms, or from dense samples that are refined by a pattern search.
 //!
 //! `kinds [COUNT [REPEATS [NAME [SET]]]]`: queries per set (default 500), runs per query (default 7), kinds whose name
-//! contains NAME, and of these the set SET alone (`on`, `near`, …).
+//! contains NAME, and of these the set SET alone (`on`, `near`, …), with its slowest query.
 
 use footpoint::{CurveProjector, Status, SurfaceProjector};
 use nalgebra::{SVector, Vector2, Vector3};
@@ -398,14 +398,19 @@ impl Run {
         seconds.sort_by(f64::total_cmp);
         let high = seconds[(seconds.len() - 1) * 999 / 1000];
         println!(
-            "{name:20} {:6} {wrong:5} {:8.2} {:8.1} {:8.1} {excess:9.1e} {gap:9.1e} {stalled:7}   (slowest {slowest}: {:?} {})",
+            "{name:20} {:6} {wrong:5} {:8.2} {:8.1} {:8.1} {excess:9.1e} {gap:9.1e} {stalled:7}",
             queries.len(),
             mean * 1e6,
             high * 1e6,
             at * 1e6,
-            queries[slowest].as_slice(),
-            answer(&queries[slowest]).note
         );
+        if self.set.is_some() {
+            println!(
+                "  slowest {slowest}: {:?} {}",
+                queries[slowest].as_slice(),
+                answer(&queries[slowest]).note
+            );
+        }
     }
 }
 
