@@ -50,7 +50,6 @@ const MEASUREMENTS: &[Measurement] = &[
             "fixtures/register-cases/cad_noise1e-3",
             "fixtures/register-cases/cad_offset_pos",
             "fixtures/register-cases/cad_warp_in",
-            "fixtures/register-cases/cad_out20",
         ],
         one_thread: true,
     },
