@@ -95,6 +95,17 @@ const MEASUREMENTS: &[Measurement] = &[
         one_thread: true,
     },
     Measurement {
+        name: "fitting",
+        title: "Fits beside their goals",
+        about: "Curves and surfaces by point, tangent and squared distance minimisation, which share all other code; distances to shapes \
+                that are known, crossings, folds, seams, seconds per iteration, and quadratic convergence.",
+        package: "sdm-fit",
+        features: "",
+        example: "fitting_goals",
+        arguments: &[],
+        one_thread: true,
+    },
+    Measurement {
         name: "surfaces",
         title: "Large fits of surfaces",
         about: "From a cloud without parameters to the surface, on all threads. Wanted on two cores: 64,000 points and 55 x 55 control \

@@ -1,0 +1,39 @@
+//! What the examples read: clouds, and starts of `fixtures/fit-cases`.
+
+#![allow(dead_code, reason = "not every example reads everything")]
+
+use nalgebra::{SVector, Vector2};
+use nurbs_core::{BsplineCurve, KnotVector};
+use std::error::Error;
+
+pub(crate) type Outcome<T> = Result<T, Box<dyn Error>>;
+
+fn text(path: &str) -> Outcome<String> {
+    Ok(std::fs::read_to_string(path).map_err(|error| format!("{path}: {error}"))?)
+}
+
+/// The path of a file below `fixtures`.
+pub(crate) fn fixture(name: &str) -> String {
+    format!("{}/../../fixtures/{name}", env!("CARGO_MANIFEST_DIR"))
+}
+
+/// Points of a text file, the first columns of each line.
+pub(crate) fn points<const D: usize>(path: &str) -> Outcome<Vec<SVector<f64, D>>> {
+    let line = |line: &str| -> Outcome<SVector<f64, D>> {
+        let values = line.split_whitespace().take(D).map(str::parse).collect::<Result<Vec<f64>, _>>()?;
+        if values.len() < D {
+            return Err(format!("{path}: `{line}` has less than {D} columns").into());
+        }
+        Ok(SVector::from_column_slice(&values))
+    };
+    text(path)?.lines().filter(|l| !l.trim().is_empty()).map(line).collect()
+}
+
+/// A curve to start from.
+pub(crate) fn start(path: &str) -> Outcome<BsplineCurve<2>> {
+    let value: serde_json::Value = serde_json::from_str(&text(path)?)?;
+    let knots: Vec<f64> = serde_json::from_value(value["knots"].clone())?;
+    let net: Vec<[f64; 2]> = serde_json::from_value(value["control_points"].clone())?;
+    let net = net.into_iter().map(Vector2::from).collect();
+    Ok(BsplineCurve::new(KnotVector::periodic(3, knots)?, net, None)?)
+}
