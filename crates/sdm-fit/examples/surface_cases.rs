@@ -39,16 +39,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 seconds / steps
             );
             for step in found.report.fit.history.iter().filter(|s| s.iteration <= 3 || s.iteration % 5 == 0) {
-                println!(
-                    "    {:3} λ {:.1e} rms {:.5} max {:.4} moved {:.1e} factor {:.3} feet found {}",
-                    step.iteration,
-                    step.lambda,
-                    step.rms,
-                    step.max,
-                    step.displacement,
-                    step.factor,
-                    step.evaluations
-                );
+                println!("{}", cases::step_line(step));
             }
         }
     }

@@ -1,10 +1,14 @@
-//! What the examples read: clouds, and starts of `fixtures/fit-cases`.
+//! What the examples share: clouds and starts of `fixtures/fit-cases`, lines of a history, the time of the processor.
 
 #![allow(dead_code, reason = "not every example reads everything")]
 
 use nalgebra::{SVector, Vector2};
 use nurbs_core::{BsplineCurve, KnotVector};
+use sdm_fit::StepRecord;
 use std::error::Error;
+
+/// Ticks of the clock in `/proc` per second.
+const TICKS: f64 = 100.0;
 
 pub(crate) type Outcome<T> = Result<T, Box<dyn Error>>;
 
@@ -36,4 +40,28 @@ pub(crate) fn start(path: &str) -> Outcome<BsplineCurve<2>> {
     let net: Vec<[f64; 2]> = serde_json::from_value(value["control_points"].clone())?;
     let net = net.into_iter().map(Vector2::from).collect();
     Ok(BsplineCurve::new(KnotVector::periodic(3, knots)?, net, None)?)
+}
+
+/// One iteration in a line.
+pub(crate) fn step_line(step: &StepRecord) -> String {
+    format!(
+        "    {:3} λ {:.1e} rms {:.6} max {:.4} cost {:.4e} moved {:.1e} factor {:.3} feet found {}",
+        step.iteration,
+        step.lambda,
+        step.rms,
+        step.max,
+        step.cost,
+        step.displacement,
+        step.factor,
+        step.evaluations
+    )
+}
+
+/// CPU seconds of the process so far; NaN where there is no `/proc`.
+pub(crate) fn cpu() -> f64 {
+    let text = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    // The name of the program, in parentheses, may hold blanks; user and system time are the 12th and 13th number after it.
+    let numbers = text.rsplit(')').next().unwrap_or_default().split_whitespace().skip(11).take(2);
+    let ticks: Vec<f64> = numbers.filter_map(|number| number.parse().ok()).collect();
+    if ticks.len() == 2 { (ticks[0] + ticks[1]) / TICKS } else { f64::NAN }
 }
