@@ -1,5 +1,6 @@
 //! The fit of a surface: read, fit, write.
 
+use crate::between_vertices::between_vertices;
 use crate::error::Error;
 use crate::files;
 use crate::progress::Progress;
@@ -40,6 +41,8 @@ pub(crate) struct SurfaceResults {
     pub(crate) fitted: SurfaceReport,
     /// Where it began, if no surface was given.
     pub(crate) start: Option<Start>,
+    /// Points on the triangles of a thinned mesh that were taken besides its vertices.
+    pub(crate) added: usize,
 }
 
 /// Does the job and fills in the report; returns whether the surface is what was asked for.
@@ -52,7 +55,10 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
     let mut timings = Timings::default();
     let loaded = Timings::measure(&mut timings.read, || files::read(job.points, &ReadOptions::default()))?;
     report.inputs.push(Input::new("points", job.points, &loaded.report));
-    let points = positions(&loaded.content, job.points)?;
+    let (mut points, triangles) = positions(&loaded.content, job.points)?;
+    let vertices: Vec<_> = points.iter().map(|&p| p.into()).collect();
+    let samples = between_vertices(&vertices, triangles, job.points, report);
+    points.extend(&samples);
     let start = match job.init {
         Some(path) => Some(Timings::measure(&mut timings.read, || surface(path, report))?),
         None => None,
@@ -109,14 +115,16 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
     report.timings = timings;
     let failed = matches!(fitted.fit.status, Status::Diverged | Status::Singular);
     let good = fitted.within_tolerance && !failed;
-    report.results = Some(Results::Surface(Box::new(SurfaceResults { fitted, start: from })));
+    report.results =
+        Some(Results::Surface(Box::new(SurfaceResults { fitted, start: from, added: samples.len() })));
     Ok(good)
 }
 
-fn positions(content: &Content, path: &Path) -> Result<Vec<Vector3<f64>>, Error> {
-    let cloud = match content {
-        Content::Cloud(cloud) => cloud,
-        Content::Mesh(mesh) => mesh.cloud(),
+/// The points of a file and the triangles over them, if there are any.
+fn positions<'a>(content: &'a Content, path: &Path) -> Result<(Vec<Vector3<f64>>, &'a [[u32; 3]]), Error> {
+    let (cloud, triangles): (_, &[_]) = match content {
+        Content::Cloud(cloud) => (cloud, &[]),
+        Content::Mesh(mesh) => (mesh.cloud(), mesh.triangles()),
         Content::Nurbs(_) => {
             let what = "points are needed, but this file holds NURBS shapes";
             return Err(Error::content(path, what, "give a cloud or a mesh"));
@@ -126,7 +134,7 @@ fn positions(content: &Content, path: &Path) -> Result<Vec<Vector3<f64>>, Error>
         let what = "the points have two columns only";
         return Err(Error::content(path, what, "give points of three columns, x, y and z"));
     }
-    Ok(cloud.positions().iter().map(|point| point.coords).collect())
+    Ok((cloud.positions().iter().map(|point| point.coords).collect(), triangles))
 }
 
 /// The first surface of a NURBS file.

@@ -2,6 +2,7 @@
 //! info | demo | selftest`.
 
 mod args;
+mod between_vertices;
 mod commands;
 mod demo;
 mod error;
