@@ -1,7 +1,6 @@
 //! Points on the triangles of meshes that were thinned out.
 
 use crate::report::Report;
-use industrial_geometry::mesh::nalgebra::Point3;
 use industrial_geometry::mesh::{TriangleMesh, sample_wide_triangles};
 use industrial_geometry::nurbs::nalgebra::Vector3;
 use std::path::Path;
@@ -12,15 +11,10 @@ const SEED: u64 = 1;
 
 /// Points to be added to the vertices of a mesh, on triangles much wider than others: a mesh that was thinned out has hardly a vertex
 /// where it is nearly flat. None for a cloud and for a mesh of even triangles. The report says so.
-pub(crate) fn between_vertices(
-    vertices: &[Point3<f64>],
-    triangles: &[[u32; 3]],
-    path: &Path,
-    report: &mut Report,
-) -> Vec<Vector3<f64>> {
+pub(crate) fn between_vertices(mesh: &TriangleMesh, path: &Path, report: &mut Report) -> Vec<Vector3<f64>> {
+    let vertices = mesh.vertices();
     // A mesh without area is a cloud.
-    let mesh = TriangleMesh::new(vertices.to_vec(), triangles.to_vec());
-    let samples = mesh.and_then(|mesh| sample_wide_triangles(&mesh, SEED)).unwrap_or_default();
+    let samples = sample_wide_triangles(mesh, SEED).unwrap_or_default();
     if samples.len() as f64 <= FEW * vertices.len() as f64 {
         return Vec::new();
     }

@@ -14,6 +14,7 @@ use industrial_geometry::cloud_param::{
 };
 use industrial_geometry::fit::StepRecord;
 use industrial_geometry::io::{self, Model, WriteOptions};
+use industrial_geometry::mesh::TriangleMesh;
 use industrial_geometry::nurbs::BsplineSurface;
 use industrial_geometry::nurbs::nalgebra::Vector3;
 use serde::Serialize;
@@ -111,7 +112,8 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
     let warnings = points.report.warnings.iter().map(|w| format!("{}: {w}", job.points.display()));
     report.warnings.extend(warnings);
     let mut cloud = points.in_space(job.points)?;
-    let samples = between_vertices(&points.positions, &points.triangles, job.points, report);
+    let mesh = TriangleMesh::new(points.positions.clone(), points.triangles.clone());
+    let samples = mesh.map_or_else(|_| Vec::new(), |mesh| between_vertices(&mesh, job.points, report));
     cloud.extend(&samples);
 
     let progress = Progress::steps("parameterising", job.quiet);
