@@ -1,8 +1,8 @@
 //! What can be typed.
 
 use crate::commands::{
-    convert, demo, fit_curve, fit_surface, info, inspect, parameterize, project, register, register_views,
-    selftest,
+    convert, demo, fit_curve, fit_ruled, fit_subdivision, fit_surface, info, inspect, parameterize, project,
+    register, register_views, selftest,
 };
 use clap::{Args, Parser, Subcommand};
 use std::path::{Path, PathBuf};
@@ -30,6 +30,8 @@ Examples:
   indgeo fit-curve section.xyz -o section.json --tolerance 0.05
   indgeo parameterize scan.ply -o base.json --params uv.csv
   indgeo fit-surface scan.ply -o surface.json --tolerance 0.05
+  indgeo fit-ruled vase.xyz -o layers.json --controls 25x7 --level
+  indgeo fit-subdivision scan.ply -o control.obj --vertices 300
   indgeo info scan.ply";
 
 #[derive(Debug, Subcommand)]
@@ -41,6 +43,8 @@ pub(crate) enum Command {
     FitCurve(fit_curve::Args),
     Parameterize(parameterize::Args),
     FitSurface(fit_surface::Args),
+    FitRuled(fit_ruled::Args),
+    FitSubdivision(fit_subdivision::Args),
     Convert(convert::Args),
     Info(info::Args),
     Demo(demo::Args),
@@ -58,6 +62,8 @@ impl Command {
             Self::FitCurve(args) => args.files(),
             Self::Parameterize(args) => args.files(),
             Self::FitSurface(args) => args.files(),
+            Self::FitRuled(args) => args.files(),
+            Self::FitSubdivision(args) => args.files(),
             Self::Convert(args) => (vec![&args.input], vec![args.output.clone()]),
             Self::Info(args) => (args.files.iter().map(PathBuf::as_path).collect(), Vec::new()),
             Self::Demo(args) => (Vec::new(), args.results()),
@@ -75,6 +81,8 @@ impl Command {
             Self::FitCurve(_) => "fit-curve",
             Self::Parameterize(_) => "parameterize",
             Self::FitSurface(_) => "fit-surface",
+            Self::FitRuled(_) => "fit-ruled",
+            Self::FitSubdivision(_) => "fit-subdivision",
             Self::Convert(_) => "convert",
             Self::Info(_) => "info",
             Self::Demo(_) => "demo",

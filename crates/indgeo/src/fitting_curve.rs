@@ -3,11 +3,12 @@
 use crate::error::Error;
 use crate::evolution;
 use crate::files;
+use crate::fitting_input::{check_paths, put_model, warn_dropped};
 use crate::progress::Progress;
 use crate::report::{Input, Output, Report, Results, Timings};
 use industrial_geometry::fit::curve::{CurveFit, CurveOptions, PointFoot, fit_curve_with_progress};
 use industrial_geometry::fit::{Error as FitError, StepRecord};
-use industrial_geometry::io::{self, AtomicFile, Content, Model, ReadOptions, Shape, WriteOptions};
+use industrial_geometry::io::{AtomicFile, Content, Model, ReadOptions, Shape};
 use industrial_geometry::nurbs::BsplineCurve;
 use industrial_geometry::nurbs::nalgebra::{SVector, Vector3};
 use std::fmt::Write as _;
@@ -44,14 +45,8 @@ enum Start {
 /// Does the job and fills in the report; returns whether the curve is what was asked for.
 pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
     let inputs: Vec<&Path> = std::iter::once(job.points).chain(job.init).collect();
-    files::check_inputs(&inputs)?;
     let outputs: Vec<&Path> = [job.out, job.feet, job.history, job.evolution].into_iter().flatten().collect();
-    for (index, path) in outputs.iter().enumerate() {
-        files::check_writable(path, &inputs)?;
-        if outputs[..index].iter().any(|other| files::is_same(path, other)) {
-            return Err(Error::content(path, "two results would be written here", "choose another name"));
-        }
-    }
+    check_paths(&inputs, &outputs)?;
     let loaded =
         Timings::measure(&mut report.timings.read, || files::read(job.points, &ReadOptions::default()))?;
     report.inputs.push(Input::new("points", job.points, &loaded.report));
@@ -113,7 +108,7 @@ fn solve<const D: usize>(
     report: &mut Report,
 ) -> Result<bool, Error>
 where
-    BsplineCurve<D>: Into<Shape>,
+    Model: From<BsplineCurve<D>>,
 {
     let progress = Progress::new("fitting", job.quiet);
     let tell = |_: &StepRecord| progress.tick();
@@ -123,9 +118,7 @@ where
     drop(progress);
     let found = found.map_err(|error| refused(job, &error))?;
     warn(job, &found, report);
-    let mut seconds = 0.0;
-    Timings::measure(&mut seconds, || write(job, points, &found, report))?;
-    report.timings.write = seconds;
+    write(job, points, &found, report)?;
     let good = found.report.is_converged() && found.report.reached != Some(false);
     report.results = Some(Results::Curve(Box::new(found.report)));
     Ok(good)
@@ -133,14 +126,7 @@ where
 
 fn warn<const D: usize>(job: &Job<'_>, found: &CurveFit<D>, report: &mut Report) {
     let fitted = &found.report;
-    if fitted.dropped > 0 {
-        report.warnings.push(format!(
-            "{}: {} of {} points have a coordinate that is NaN or infinite; they are left out",
-            job.points.display(),
-            fitted.dropped,
-            fitted.points
-        ));
-    }
+    warn_dropped(job.points, fitted.dropped, fitted.points, report);
     if !fitted.crossings.is_empty() {
         report.warnings.push(format!(
             "the curve crosses itself {} times; take fewer control points or a larger --smoothing",
@@ -156,12 +142,11 @@ fn write<const D: usize>(
     report: &mut Report,
 ) -> Result<(), Error>
 where
-    BsplineCurve<D>: Into<Shape>,
+    Model: From<BsplineCurve<D>>,
 {
     if let Some(path) = job.out {
-        let written = io::write_model(path, &Model::from(found.curve.clone()), &WriteOptions::default())?;
         let content = format!("B-spline curve with {} control points", found.report.controls);
-        report.outputs.push(Output { path: path.to_path_buf(), bytes: written.bytes, content });
+        put_model(path, found.curve.clone(), content, report)?;
     }
     if let Some(path) = job.feet {
         put(path, &feet(points, &found.feet), "footpoints", report)?;
@@ -177,9 +162,11 @@ where
 
 fn put(path: &Path, text: &str, content: &str, report: &mut Report) -> Result<(), Error> {
     let failed = |source: std::io::Error| Error::write(path, source);
-    let mut file = AtomicFile::create(path)?;
-    file.write_all(text.as_bytes()).map_err(failed)?;
-    let bytes = file.commit()?;
+    let bytes = Timings::measure(&mut report.timings.write, || -> Result<u64, Error> {
+        let mut file = AtomicFile::create(path)?;
+        file.write_all(text.as_bytes()).map_err(failed)?;
+        Ok(file.commit()?)
+    })?;
     report.outputs.push(Output { path: path.to_path_buf(), bytes, content: content.to_owned() });
     Ok(())
 }

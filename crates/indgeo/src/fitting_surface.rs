@@ -1,17 +1,14 @@
 //! The fit of a surface: read, fit, write.
 
 use crate::error::Error;
-use crate::files;
+use crate::fitting_input::{Scan, check_paths, put_model, start_surface, warn_dropped};
 use crate::progress::Progress;
-use crate::report::{Input, Output, Report, Results, Timings};
+use crate::report::{Report, Results, Timings};
 use crate::surface_start::{Start, from_cloud};
 use industrial_geometry::fit::{
     Error as FitError, Status, StepRecord, SurfaceOptions, SurfaceReport, fit_surface_with_progress,
     with_controls,
 };
-use industrial_geometry::io::{self, Content, Model, ReadOptions, Shape, WriteOptions};
-use industrial_geometry::nurbs::BsplineSurface;
-use industrial_geometry::nurbs::nalgebra::Vector3;
 use serde::Serialize;
 use std::path::Path;
 
@@ -45,22 +42,13 @@ pub(crate) struct SurfaceResults {
 /// Does the job and fills in the report; returns whether the surface is what was asked for.
 pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
     let inputs: Vec<&Path> = std::iter::once(job.points).chain(job.init).collect();
-    files::check_inputs(&inputs)?;
-    if let Some(path) = job.out {
-        files::check_writable(path, &inputs)?;
-    }
-    let mut timings = Timings::default();
-    let loaded = Timings::measure(&mut timings.read, || files::read(job.points, &ReadOptions::default()))?;
-    report.inputs.push(Input::new("points", job.points, &loaded.report));
-    let points = positions(&loaded.content, job.points)?;
-    let start = match job.init {
-        Some(path) => Some(Timings::measure(&mut timings.read, || surface(path, report))?),
-        None => None,
-    };
+    check_paths(&inputs, job.out.as_slice())?;
+    let points = Scan::read(job.points, false, report)?.points;
+    let start = job.init.map(|path| start_surface(path, report)).transpose()?;
     let progress = Progress::new("fitting", job.quiet);
     let tell = |_: &StepRecord| progress.tick();
     let mut from = None;
-    let found = Timings::measure(&mut timings.compute, || match start {
+    let found = Timings::measure(&mut report.timings.compute, || match start {
         Some(start) => {
             let finite: Vec<_> = points.iter().filter(|p| p.iter().all(|c| c.is_finite())).copied().collect();
             let start = match job.controls {
@@ -81,14 +69,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
     });
     drop(progress);
     let (surface, fitted) = found.map_err(|error| refused(job, &error))?;
-    if fitted.dropped > 0 {
-        report.warnings.push(format!(
-            "{}: {} of {} points have a coordinate that is NaN or infinite; they are left out",
-            job.points.display(),
-            fitted.dropped,
-            points.len()
-        ));
-    }
+    warn_dropped(job.points, fitted.dropped, points.len(), report);
     if let Some(start) = &from {
         start.warn(job.points, report);
     }
@@ -100,50 +81,13 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
         ));
     }
     if let Some(path) = job.out {
-        let written = Timings::measure(&mut timings.write, || {
-            io::write_model(path, &Model::from(surface), &WriteOptions::default())
-        })?;
         let content = format!("B-spline surface, {} × {}", fitted.controls[0], fitted.controls[1]);
-        report.outputs.push(Output { path: path.to_path_buf(), bytes: written.bytes, content });
+        put_model(path, surface, content, report)?;
     }
-    report.timings = timings;
     let failed = matches!(fitted.fit.status, Status::Diverged | Status::Singular);
     let good = fitted.within_tolerance && !failed;
     report.results = Some(Results::Surface(Box::new(SurfaceResults { fitted, start: from })));
     Ok(good)
-}
-
-fn positions(content: &Content, path: &Path) -> Result<Vec<Vector3<f64>>, Error> {
-    let cloud = match content {
-        Content::Cloud(cloud) => cloud,
-        Content::Mesh(mesh) => mesh.cloud(),
-        Content::Nurbs(_) => {
-            let what = "points are needed, but this file holds NURBS shapes";
-            return Err(Error::content(path, what, "give a cloud or a mesh"));
-        }
-    };
-    if cloud.dimension() == 2 {
-        let what = "the points have two columns only";
-        return Err(Error::content(path, what, "give points of three columns, x, y and z"));
-    }
-    Ok(cloud.positions().iter().map(|point| point.coords).collect())
-}
-
-/// The first surface of a NURBS file.
-fn surface(path: &Path, report: &mut Report) -> Result<BsplineSurface, Error> {
-    let loaded = files::read(path, &ReadOptions::default())?;
-    report.inputs.push(Input::new("init", path, &loaded.report));
-    let Content::Nurbs(model) = loaded.content else {
-        let what = "a surface is needed, but this file holds none";
-        return Err(Error::content(path, what, "give a NURBS surface (JSON)"));
-    };
-    let surfaces = model.into_shapes().into_iter().filter_map(|shape| match shape {
-        Shape::Surface(surface) => Some(surface),
-        _ => None,
-    });
-    surfaces.into_iter().next().ok_or_else(|| {
-        Error::content(path, "a surface is needed, but this file holds none", "give a NURBS surface (JSON)")
-    })
 }
 
 /// The error of the library, with the file that it is about.

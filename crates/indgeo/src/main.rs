@@ -1,5 +1,5 @@
-//! Industrial Geometry on the command line: `indgeo project | inspect | register | register-views | parameterize | convert |
-//! info | demo | selftest`.
+//! Industrial Geometry on the command line: `indgeo project | inspect | register | register-views | fit-curve | parameterize |
+//! fit-surface | fit-ruled | fit-subdivision | convert | info | demo | selftest`.
 
 mod args;
 mod commands;
@@ -8,6 +8,9 @@ mod error;
 mod evolution;
 mod files;
 mod fitting_curve;
+mod fitting_input;
+mod fitting_ruled;
+mod fitting_subdivision;
 mod fitting_surface;
 mod inspecting;
 mod model;

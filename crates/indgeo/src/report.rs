@@ -1,5 +1,7 @@
 //! The machine-readable report of a command (`--json`).
 
+use crate::fitting_ruled::RuledResults;
+use crate::fitting_subdivision::SubdivisionResults;
 use crate::fitting_surface::SurfaceResults;
 use crate::parameterizing::ParameterResults;
 use crate::registration_report::RegistrationResults;
@@ -174,6 +176,10 @@ pub(crate) enum Results {
     Parameters(Box<ParameterResults>),
     /// Of a fit of a surface.
     Surface(Box<SurfaceResults>),
+    /// Of a fit of a ruled surface.
+    Ruled(Box<RuledResults>),
+    /// Of a fit of a subdivision surface.
+    Subdivision(Box<SubdivisionResults>),
     /// Of `selftest`.
     Checks(Vec<Check>),
     /// Of `info`.

@@ -1,11 +1,14 @@
 //! What a projection or an inspection says to a person.
 
+use crate::fitting_ruled::RuledResults;
+use crate::fitting_subdivision::SubdivisionResults;
 use crate::fitting_surface::SurfaceResults;
 use crate::parameterizing::ParameterResults;
 use crate::registration_report::RegistrationResults;
 use crate::report::{ProjectionResults, Report, Results};
 use crate::views_report::ViewsResults;
 use industrial_geometry::fit::curve::CurveReport;
+use industrial_geometry::fit::{FitReport, Folds};
 use industrial_geometry::inspection::{Inspection, Tolerance};
 use std::fmt::Write;
 
@@ -21,6 +24,8 @@ pub(crate) fn of(report: &Report) -> String {
         Some(Results::Views(found)) => write_views(&mut text, report, found),
         Some(Results::Curve(found)) => write_curve(&mut text, report, found),
         Some(Results::Surface(found)) => write_surface(&mut text, report, found),
+        Some(Results::Ruled(found)) => write_ruled(&mut text, report, found),
+        Some(Results::Subdivision(found)) => write_subdivision(&mut text, report, found),
         _ => Ok(()),
     };
     text
@@ -281,16 +286,56 @@ fn write_surface(text: &mut String, report: &Report, results: &SurfaceResults) -
             plain(least_squares)
         )?;
     }
+    write_distances(text, fit, found.share_within, found.within_tolerance)?;
+    write_folds(text, &found.folds)?;
+    write_end(text, report)
+}
+
+fn write_ruled(text: &mut String, report: &Report, found: &RuledResults) -> std::fmt::Result {
+    let (fit, [along, sections]) = (&found.fitted.fit, found.fitted.controls);
+    writeln!(
+        text,
+        "{sections} sections of {along} control points after {} iterations ({}), {} surfaces fitted",
+        fit.history.len(),
+        fit.status,
+        found.runs
+    )?;
+    writeln!(text, "  start     {}", found.base.map_or("the surface given", |base| base.name()))?;
+    write_distances(text, fit, found.share_within, found.within_tolerance)?;
+    writeln!(text, "  rulings   {}", found.fitted.developability)?;
+    write_folds(text, &found.folds)?;
+    write_end(text, report)
+}
+
+fn write_subdivision(text: &mut String, report: &Report, found: &SubdivisionResults) -> std::fmt::Result {
+    writeln!(
+        text,
+        "control mesh of {} vertices ({} irregular) and {} triangles, {}, after {} iterations ({})",
+        found.vertices,
+        found.irregular,
+        found.triangles,
+        found.start,
+        found.fit.history.len(),
+        found.fit.status
+    )?;
+    write_distances(text, &found.fit, found.share_within, found.within_tolerance)?;
+    write_end(text, report)
+}
+
+fn write_distances(text: &mut String, fit: &FitReport, share: Option<f64>, holds: bool) -> std::fmt::Result {
     writeln!(text, "  distance  rms {}  max {}", plain(fit.rms), plain(fit.max))?;
-    if let Some(share) = found.share_within {
-        let verdict = if found.within_tolerance { "reached" } else { "NOT reached" };
+    if let Some(share) = share {
+        let verdict = if holds { "reached" } else { "NOT reached" };
         writeln!(text, "  tolerance {verdict}: {:.4} % of the points within", 100.0 * share)?;
     }
-    let folds = found.folds.count();
-    if folds > 0 {
-        writeln!(text, "  folds     in {folds} of {} cells", found.folds.cells)?;
+    Ok(())
+}
+
+fn write_folds(text: &mut String, folds: &Folds) -> std::fmt::Result {
+    match folds.count() {
+        0 => Ok(()),
+        count => writeln!(text, "  folds     in {count} of {} cells", folds.cells),
     }
-    write_end(text, report)
 }
 
 fn write_end(text: &mut String, report: &Report) -> std::fmt::Result {

@@ -1,15 +1,14 @@
 //! `indgeo fit-curve`: a B-spline curve through a cloud.
 
 use super::Outcome;
+use super::fit_loop::LoopArgs;
 use crate::args::Common;
 use crate::error::Error;
 use crate::fitting_curve::{self, Job};
 use crate::report::Report;
 use crate::summary;
-use clap::ValueEnum;
-use industrial_geometry::distance_field::{ErrorTerm, Kernel};
+use industrial_geometry::fit::FitOptions;
 use industrial_geometry::fit::curve::CurveOptions;
-use industrial_geometry::fit::{FitOptions, Robust, Smoothing, StepControl};
 use std::path::{Path, PathBuf};
 
 /// Fit a B-spline curve to POINTS
@@ -49,21 +48,6 @@ pub(crate) struct Args {
     /// Weights are unknowns, too: circles and other conics become exact
     #[arg(long)]
     rational: bool,
-    /// What is minimised in a step
-    #[arg(long, alias = "method", value_enum, default_value_t = TermChoice::SquaredDistance)]
-    term: TermChoice,
-    /// How the length of steps is controlled
-    #[arg(long, value_enum, default_value_t = ControlChoice::Armijo)]
-    control: ControlChoice,
-    /// Factor of the bending energy: auto (asked from the data), continuation (to 0), or the least value (a number)
-    #[arg(long, value_name = "LAMBDA", default_value = "auto", value_parser = parse_smoothing)]
-    smoothing: Smoothing,
-    /// What is assumed about points that do not belong to the curve
-    #[arg(long, value_enum, default_value_t = OutlierChoice::None)]
-    outliers: OutlierChoice,
-    /// Most iterations between changes of the knots
-    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u16).range(1..))]
-    max_iterations: u16,
     /// Write the footpoint of every point (CSV): the point, its foot, distance and parameter
     #[arg(long, value_name = "FILE.csv")]
     points_out: Option<PathBuf>,
@@ -73,41 +57,8 @@ pub(crate) struct Args {
     /// Draw the evolution of the curve (SVG; space curves as seen along z)
     #[arg(long, value_name = "FILE.svg")]
     evolution: Option<PathBuf>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum TermChoice {
-    /// Squared distance minimisation
-    #[value(alias = "sdm")]
-    SquaredDistance,
-    /// The same with weights that stay positive on both sides of the curve
-    Ratio,
-    /// Squared distance to the tangent
-    #[value(alias = "tdm")]
-    Tangent,
-    /// Squared distance to the footpoint: slow
-    #[value(alias = "pdm")]
-    Point,
-    /// Second order Taylor polynomial, which may be indefinite
-    Taylor,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum ControlChoice {
-    /// Steps are shortened until they lower the cost
-    Armijo,
-    /// Steps are damped until they lower the cost
-    LevenbergMarquardt,
-    /// Full steps; may diverge
-    None,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum OutlierChoice {
-    /// There are none: least squares over all points
-    None,
-    /// Recognised by their distances (Tukey's biweight)
-    Automatic,
+    #[command(flatten)]
+    iteration: LoopArgs,
 }
 
 const AFTER_HELP: &str = "\
@@ -124,20 +75,6 @@ Examples:
   indgeo fit-curve cloud.xyz -o curve.json --controls 24 --open --evolution evolution.svg
   indgeo fit-curve cloud.xyz --init start.json --term tangent --control none --report history.csv";
 
-/// `auto`, `continuation`, or a number.
-fn parse_smoothing(text: &str) -> Result<Smoothing, String> {
-    match text {
-        "auto" => Ok(Smoothing::default()),
-        "continuation" => Ok(Smoothing::CONTINUATION),
-        _ => match text.parse::<f64>() {
-            Ok(floor) if floor >= 0.0 && floor.is_finite() => {
-                Ok(Smoothing::Continuation { start: floor.max(1e-2), factor: 0.5, floor })
-            }
-            _ => Err("give auto, continuation, or a number of at least 0".to_owned()),
-        },
-    }
-}
-
 impl Args {
     /// The files that are read, and those that are written.
     pub(crate) fn files(&self) -> (Vec<&Path>, Vec<PathBuf>) {
@@ -147,29 +84,7 @@ impl Args {
     }
 
     fn options(&self) -> CurveOptions {
-        let term = match self.term {
-            TermChoice::SquaredDistance => ErrorTerm::SquaredDistance,
-            TermChoice::Ratio => ErrorTerm::SquaredDistanceRatio,
-            TermChoice::Tangent => ErrorTerm::Tangent,
-            TermChoice::Point => ErrorTerm::Point,
-            TermChoice::Taylor => ErrorTerm::Taylor,
-        };
-        let control = match self.control {
-            ControlChoice::Armijo => StepControl::Armijo,
-            ControlChoice::LevenbergMarquardt => StepControl::LevenbergMarquardt,
-            ControlChoice::None => StepControl::None,
-        };
-        let robust = match self.outliers {
-            OutlierChoice::None => Robust::None,
-            OutlierChoice::Automatic => Robust::Kernel { kernel: Kernel::Tukey, abs_scale: None },
-        };
-        let fit = FitOptions::default()
-            .with_term(term)
-            .with_control(control)
-            .with_robust(robust)
-            .with_smoothing(self.smoothing)
-            .with_max_iterations(usize::from(self.max_iterations))
-            .with_evolution(self.evolution.is_some());
+        let fit = self.iteration.applied_to(FitOptions::default()).with_evolution(self.evolution.is_some());
         CurveOptions::default()
             .with_degree(self.degree)
             .with_closed((self.closed || self.open).then_some(self.closed))
@@ -184,9 +99,7 @@ impl Args {
 /// Runs the command.
 pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<Outcome, Error> {
     let (_, written) = args.files();
-    if written.is_empty() && common.json.is_none() {
-        return Err(Error::usage("nothing would be written", "add -o OUT.json or --json FILE"));
-    }
+    super::something_written(!written.is_empty(), common, "-o OUT.json")?;
     let job = Job {
         points: &args.points,
         init: args.init.as_deref(),
@@ -198,6 +111,5 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         quiet: common.quiet,
     };
     let good = fitting_curve::run(&job, report)?;
-    let otherwise = if args.tolerance.is_some() { "out_of_tolerance" } else { "not_converged" };
-    Ok(Outcome { summary: summary::of(report), converged: good, otherwise })
+    Ok(Outcome::fitted(summary::of(report), good, args.tolerance))
 }

@@ -1,14 +1,14 @@
 //! `indgeo fit-surface`: a B-spline surface through a scan.
 
 use super::Outcome;
+use super::fit_loop::LoopArgs;
 use crate::args::Common;
 use crate::error::Error;
 use crate::fitting_surface::{self, Job};
 use crate::report::Report;
 use crate::summary;
 use clap::ValueEnum;
-use industrial_geometry::distance_field::{ErrorTerm, Kernel};
-use industrial_geometry::fit::{BaseShape, NetSize, Robust, Smoothing, SurfaceOptions};
+use industrial_geometry::fit::{BaseShape, NetSize, SurfaceOptions};
 use std::path::{Path, PathBuf};
 
 /// Fit a B-spline surface to POINTS
@@ -51,18 +51,8 @@ pub(crate) struct Args {
     /// Let weights be unknowns, too: cylinders, spheres and other quadrics are exact (no boundary is kept then)
     #[arg(long, conflicts_with = "fixed_boundary")]
     rational: bool,
-    /// What is minimised in a step
-    #[arg(long, value_enum, default_value_t = MethodChoice::SquaredDistance)]
-    method: MethodChoice,
-    /// Factor of the thin plate energy; by default the data are asked (cross validation)
-    #[arg(long, value_name = "LAMBDA")]
-    smoothing: Option<f64>,
-    /// What is assumed about points that do not belong to the surface
-    #[arg(long, value_enum, default_value_t = OutlierChoice::None)]
-    outliers: OutlierChoice,
-    /// Most iterations between insertions of knots
-    #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u16).range(1..))]
-    max_iterations: u16,
+    #[command(flatten)]
+    iteration: LoopArgs,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -77,24 +67,6 @@ enum ShapeChoice {
     Sphere,
     /// A ring: closed in u and v
     Torus,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum MethodChoice {
-    /// Squared distance minimisation (SDM)
-    SquaredDistance,
-    /// Squared distance to the tangent plane (TDM)
-    Tangent,
-    /// Squared distance to the footpoint (PDM): slow
-    Point,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum OutlierChoice {
-    /// There are none: least squares over all points
-    None,
-    /// Recognised by their distances (Tukey's biweight)
-    Automatic,
 }
 
 const AFTER_HELP: &str = "\
@@ -113,7 +85,7 @@ Examples:
   indgeo inspect surface.json scan.ply --tolerance 0.05 --report report.html";
 
 /// Two counts: `30x20`, or one for both.
-fn parse_pair(text: &str) -> Result<[usize; 2], String> {
+pub(super) fn parse_pair(text: &str) -> Result<[usize; 2], String> {
     let parts: Vec<&str> = text.split(['x', 'X', '×']).collect();
     let number = |part: &str| part.trim().parse::<usize>().ok().filter(|n| (1..=10_000).contains(n));
     let pair = match parts[..] {
@@ -139,21 +111,7 @@ impl Args {
             ShapeChoice::Sphere => BaseShape::Sphere,
             ShapeChoice::Torus => BaseShape::Torus,
         };
-        let term = match self.method {
-            MethodChoice::SquaredDistance => ErrorTerm::SquaredDistance,
-            MethodChoice::Tangent => ErrorTerm::Tangent,
-            MethodChoice::Point => ErrorTerm::Point,
-        };
-        let robust = match self.outliers {
-            OutlierChoice::None => Robust::None,
-            OutlierChoice::Automatic => Robust::Kernel { kernel: Kernel::Tukey, abs_scale: None },
-        };
         let defaults = SurfaceOptions::default();
-        let mut fit = defaults.fit.with_term(term).with_robust(robust);
-        fit = fit.with_max_iterations(usize::from(self.max_iterations));
-        if let Some(lambda) = self.smoothing {
-            fit = fit.with_smoothing(Smoothing::Continuation { start: 1e-2, factor: 0.5, floor: lambda });
-        }
         defaults
             .with_base(base)
             .with_size(NetSize { degrees: self.degrees, controls: self.controls.unwrap_or([12, 12]) })
@@ -162,15 +120,13 @@ impl Args {
             .with_max_controls(self.max_controls)
             .with_fixed_boundary(self.fixed_boundary)
             .with_rational(self.rational)
-            .with_fit(fit)
+            .with_fit(self.iteration.applied_to(defaults.fit))
     }
 }
 
 /// Runs the command.
 pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<Outcome, Error> {
-    if args.out.is_none() && common.json.is_none() {
-        return Err(Error::usage("nothing would be written", "add -o OUT.json or --json FILE"));
-    }
+    super::something_written(args.out.is_some(), common, "-o OUT.json")?;
     let job = Job {
         points: &args.points,
         init: args.init.as_deref(),
@@ -180,6 +136,5 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         quiet: common.quiet,
     };
     let good = fitting_surface::run(&job, report)?;
-    let otherwise = if args.tolerance.is_some() { "out_of_tolerance" } else { "not_converged" };
-    Ok(Outcome { summary: summary::of(report), converged: good, otherwise })
+    Ok(Outcome::fitted(summary::of(report), good, args.tolerance))
 }

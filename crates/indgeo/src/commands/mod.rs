@@ -3,6 +3,9 @@
 pub(crate) mod convert;
 pub(crate) mod demo;
 pub(crate) mod fit_curve;
+mod fit_loop;
+pub(crate) mod fit_ruled;
+pub(crate) mod fit_subdivision;
 pub(crate) mod fit_surface;
 pub(crate) mod info;
 pub(crate) mod inspect;
@@ -32,6 +35,12 @@ impl Outcome {
     pub(crate) fn new(summary: String, converged: bool) -> Self {
         Self { summary, converged, otherwise: "not_converged" }
     }
+
+    /// The outcome of a fit, which may have been asked for a tolerance.
+    pub(crate) fn fitted(summary: String, good: bool, tolerance: Option<f64>) -> Self {
+        let otherwise = if tolerance.is_some() { "out_of_tolerance" } else { "not_converged" };
+        Self { summary, converged: good, otherwise }
+    }
 }
 
 /// Three finite numbers separated by commas.
@@ -39,6 +48,14 @@ fn parse_triple(text: &str) -> Option<[f64; 3]> {
     let parts: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
     let triple: [f64; 3] = parts.ok()?.try_into().ok()?;
     triple.iter().all(|value| value.is_finite()).then_some(triple)
+}
+
+/// Makes sure that a fit leaves something behind: a file, or the report.
+fn something_written(any_file: bool, common: &Common, output: &str) -> Result<(), Error> {
+    if any_file || common.json.is_some() {
+        return Ok(());
+    }
+    Err(Error::usage(format!("nothing would be written without {output}"), "add it, or --json FILE"))
 }
 
 /// Runs a command and fills in its report.
@@ -51,6 +68,8 @@ pub(crate) fn run(command: &Command, common: &Common, report: &mut Report) -> Re
         Command::FitCurve(args) => fit_curve::run(args, common, report),
         Command::Parameterize(args) => parameterize::run(args, common, report),
         Command::FitSurface(args) => fit_surface::run(args, common, report),
+        Command::FitRuled(args) => fit_ruled::run(args, common, report),
+        Command::FitSubdivision(args) => fit_subdivision::run(args, common, report),
         Command::Convert(args) => convert::run(args, report),
         Command::Info(args) => info::run(args, report),
         Command::Demo(args) => demo::run(args, common, report),

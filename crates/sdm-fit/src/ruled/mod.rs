@@ -5,9 +5,14 @@
 //! mills with its side, a hot wire cuts, or plates and laths cover.
 
 mod active;
+mod cloud;
 mod developability;
 mod fit;
 
 pub use active::ActiveRuled;
+pub use cloud::{
+    OffsetPoints, RuledCloudFit, RuledCloudOptions, fit_ruled_cloud, fit_ruled_cloud_with_progress,
+    initial_ruled, offset_points,
+};
 pub use developability::Developability;
 pub use fit::{RuledFit, RuledOptions, RuledReport, fit_ruled, fit_ruled_with_progress};

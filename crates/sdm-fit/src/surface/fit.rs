@@ -93,7 +93,7 @@ impl SurfaceOptions {
         with_fit(fit: FitOptions);
     }
 
-    fn check(&self) -> Result<(), Error> {
+    pub(crate) fn check(&self) -> Result<(), Error> {
         self.fit.check()?;
         match self.abs_tolerance {
             Some(value) if !(value > 0.0 && value.is_finite()) => {

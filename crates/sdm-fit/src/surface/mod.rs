@@ -18,3 +18,4 @@ pub use fit::{
 pub use folds::Folds;
 pub use initial::{BaseShape, InitialSurface, NetSize, initial_surface};
 pub use refine::with_controls;
+pub(crate) use runs::share_within;

@@ -107,7 +107,7 @@ fn for_size(options: &FitOptions, coefficients: usize) -> FitOptions {
 }
 
 /// Share of the points within a distance; those without a foot are not within.
-pub(super) fn share_within(frames: &[PrincipalFrame<3>], tolerance: f64) -> f64 {
+pub(crate) fn share_within(frames: &[PrincipalFrame<3>], tolerance: f64) -> f64 {
     let inside = frames.iter().filter(|f| f.distance.abs() <= tolerance).count();
     inside as f64 / frames.len().max(1) as f64
 }

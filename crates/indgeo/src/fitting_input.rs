@@ -1,0 +1,130 @@
+//! What fits have in common besides the fit: paths, points, starts, results.
+
+use crate::error::Error;
+use crate::files;
+use crate::report::{Input, Output, Report, Timings};
+use industrial_geometry::io::{self, Content, Model, ReadOptions, Shape, WriteOptions};
+use industrial_geometry::mesh::TriangleMesh;
+use industrial_geometry::nurbs::nalgebra::Vector3;
+use industrial_geometry::nurbs::{BsplineSurface, ParametricSurface};
+use std::path::Path;
+
+/// Points per direction that are taken from a NURBS surface.
+const SAMPLES: usize = 120;
+
+/// Points to be fitted, in space.
+#[derive(Debug)]
+pub(crate) struct Scan {
+    /// Positions, finite or not.
+    pub(crate) points: Vec<Vector3<f64>>,
+    /// Normals, if there are any.
+    pub(crate) normals: Option<Vec<Vector3<f64>>>,
+    /// The mesh, if the file holds one.
+    pub(crate) mesh: Option<TriangleMesh>,
+}
+
+impl Scan {
+    /// Reads a cloud or a mesh, or, if `shapes` says so, takes points from NURBS surfaces.
+    pub(crate) fn read(path: &Path, shapes: bool, report: &mut Report) -> Result<Self, Error> {
+        let loaded =
+            Timings::measure(&mut report.timings.read, || files::read(path, &ReadOptions::default()))?;
+        report.inputs.push(Input::new("points", path, &loaded.report));
+        let coordinates = |mesh: &TriangleMesh| mesh.vertices().iter().map(|p| p.coords).collect();
+        match loaded.content {
+            Content::Mesh(mesh) => {
+                let given = mesh.cloud().attributes().normals().map(<[_]>::to_vec);
+                let normals = given.unwrap_or_else(|| mesh.vertex_normals().normals);
+                Ok(Self { points: coordinates(&mesh), normals: Some(normals), mesh: Some(mesh) })
+            }
+            Content::Cloud(cloud) if cloud.dimension() == 2 => {
+                let what = "the points have two columns only";
+                Err(Error::content(path, what, "give points of three columns, x, y and z"))
+            }
+            Content::Cloud(cloud) => Ok(Self {
+                points: cloud.positions().iter().map(|p| p.coords).collect(),
+                normals: cloud.attributes().normals().map(<[_]>::to_vec),
+                mesh: None,
+            }),
+            Content::Nurbs(model) if shapes => Self::sampled(model, path),
+            Content::Nurbs(_) => {
+                let what = "points are needed, but this file holds NURBS shapes";
+                Err(Error::content(path, what, "give a cloud or a mesh"))
+            }
+        }
+    }
+
+    fn sampled(model: Model, path: &Path) -> Result<Self, Error> {
+        let (mut points, mut normals) = (Vec::new(), Vec::new());
+        for surface in surfaces(model) {
+            let [u, v] = surface.domain();
+            let share = |k: usize| (k as f64 + 0.5) / SAMPLES as f64;
+            for k in 0..SAMPLES * SAMPLES {
+                let jet = surface.jet(u.lerp(share(k / SAMPLES)), v.lerp(share(k % SAMPLES)));
+                points.push(jet.point);
+                normals.push(jet.du.cross(&jet.dv));
+            }
+        }
+        if points.is_empty() {
+            let what = "a surface is needed, but this file holds none";
+            return Err(Error::content(path, what, "give a NURBS surface, a mesh or a cloud"));
+        }
+        Ok(Self { points, normals: Some(normals), mesh: None })
+    }
+}
+
+fn surfaces(model: Model) -> impl Iterator<Item = BsplineSurface> {
+    model.into_shapes().into_iter().filter_map(|shape| match shape {
+        Shape::Surface(surface) => Some(surface),
+        _ => None,
+    })
+}
+
+/// The first surface of a NURBS file, to start from.
+pub(crate) fn start_surface(path: &Path, report: &mut Report) -> Result<BsplineSurface, Error> {
+    let loaded = Timings::measure(&mut report.timings.read, || files::read(path, &ReadOptions::default()))?;
+    report.inputs.push(Input::new("init", path, &loaded.report));
+    let found = match loaded.content {
+        Content::Nurbs(model) => surfaces(model).next(),
+        _ => None,
+    };
+    found.ok_or_else(|| {
+        Error::content(path, "a surface is needed, but this file holds none", "give a NURBS surface (JSON)")
+    })
+}
+
+/// Makes sure that all files can be read and written, and that no two results go to the same place.
+pub(crate) fn check_paths(inputs: &[&Path], outputs: &[&Path]) -> Result<(), Error> {
+    files::check_inputs(inputs)?;
+    for (index, path) in outputs.iter().enumerate() {
+        files::check_writable(path, inputs)?;
+        if outputs[..index].iter().any(|other| files::is_same(path, other)) {
+            return Err(Error::content(path, "two results would be written here", "choose another name"));
+        }
+    }
+    Ok(())
+}
+
+/// Says how many points do not count because they are not finite.
+pub(crate) fn warn_dropped(path: &Path, dropped: usize, points: usize, report: &mut Report) {
+    if dropped > 0 {
+        report.warnings.push(format!(
+            "{}: {dropped} of {points} points have a coordinate that is NaN or infinite; they are left out",
+            path.display()
+        ));
+    }
+}
+
+/// Writes a curve or surface.
+pub(crate) fn put_model(
+    path: &Path,
+    shape: impl Into<Model>,
+    content: String,
+    report: &mut Report,
+) -> Result<(), Error> {
+    let model = shape.into();
+    let written = Timings::measure(&mut report.timings.write, || {
+        io::write_model(path, &model, &WriteOptions::default())
+    })?;
+    report.outputs.push(Output { path: path.to_path_buf(), bytes: written.bytes, content });
+    Ok(())
+}

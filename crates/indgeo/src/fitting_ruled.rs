@@ -1,0 +1,140 @@
+//! The fit of a ruled surface: read, move, fit, write.
+
+use crate::error::Error;
+use crate::fitting_input::{Scan, check_paths, put_model, start_surface, warn_dropped};
+use crate::progress::Progress;
+use crate::report::{Report, Results, Timings};
+use industrial_geometry::fit::ruled::{
+    RuledCloudOptions, RuledReport, fit_ruled_cloud_with_progress, offset_points,
+};
+use industrial_geometry::fit::{BaseShape, Error as FitError, Folds, Status, StepRecord};
+use industrial_geometry::nurbs::nalgebra::Vector3;
+use serde::Serialize;
+use std::path::Path;
+
+/// What is to be done.
+#[derive(Debug)]
+pub(crate) struct Job<'a> {
+    /// File of the points or shapes.
+    pub(crate) points: &'a Path,
+    /// File of the surface to start from.
+    pub(crate) init: Option<&'a Path>,
+    /// File of the surface.
+    pub(crate) out: Option<&'a Path>,
+    /// Distance of the offset that is fitted.
+    pub(crate) offset: Option<f64>,
+    /// Options of the library.
+    pub(crate) options: RuledCloudOptions,
+    /// Whether nobody wants to watch.
+    pub(crate) quiet: bool,
+}
+
+/// What a fit of a ruled surface found.
+#[derive(Debug, Serialize)]
+pub(crate) struct RuledResults {
+    /// What the library reports.
+    #[serde(flatten)]
+    pub(crate) fitted: RuledReport,
+    /// What the first parameters were taken from.
+    pub(crate) base: Option<BaseShape>,
+    /// Share of the points within the tolerance.
+    pub(crate) share_within: Option<f64>,
+    /// Whether the tolerance holds.
+    pub(crate) within_tolerance: bool,
+    /// Surfaces that were fitted.
+    pub(crate) runs: usize,
+    /// Cells in which the surface folds.
+    pub(crate) folds: Folds,
+    /// Points that are not finite.
+    pub(crate) dropped: usize,
+    /// Points of the offset that a cutter cannot reach.
+    pub(crate) gouging: usize,
+}
+
+/// Does the job and fills in the report; returns whether the surface is what was asked for.
+pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
+    let inputs: Vec<&Path> = std::iter::once(job.points).chain(job.init).collect();
+    check_paths(&inputs, job.out.as_slice())?;
+    let scan = Scan::read(job.points, true, report)?;
+    let start = job.init.map(|path| start_surface(path, report)).transpose()?;
+    let count = scan.points.len();
+    let (points, gouging) = match job.offset {
+        Some(distance) => offset(job, &scan, distance, report)?,
+        None => (scan.points, 0),
+    };
+    let progress = Progress::new("fitting", job.quiet);
+    let tell = |_: &StepRecord| progress.tick();
+    let found = Timings::measure(&mut report.timings.compute, || {
+        fit_ruled_cloud_with_progress(&points, start, &job.options, &tell)
+    });
+    drop(progress);
+    let found = found.map_err(|error| refused(job, &error))?;
+    warn_dropped(job.points, found.dropped, count, report);
+    let folds = Folds::of(&found.fit.surface);
+    if folds.count() > 0 {
+        report.warnings.push(format!(
+            "the surface folds back on itself, or has an edge sharper than a right angle, in {} of {} cells",
+            folds.count(),
+            folds.cells
+        ));
+    }
+    let fitted = found.fit.report;
+    let failed = matches!(fitted.fit.status, Status::Diverged | Status::Singular);
+    let good = found.within_tolerance && !failed;
+    if let Some(path) = job.out {
+        let [along, sections] = fitted.controls;
+        let content = format!("ruled B-spline surface, {sections} sections of {along} control points");
+        put_model(path, found.fit.surface, content, report)?;
+    }
+    report.results = Some(Results::Ruled(Box::new(RuledResults {
+        fitted,
+        base: found.base,
+        share_within: found.share_within,
+        within_tolerance: found.within_tolerance,
+        runs: found.runs,
+        folds,
+        dropped: found.dropped,
+        gouging,
+    })));
+    Ok(good)
+}
+
+/// The points of the offset, and how many are left out because they lie too deep.
+fn offset(
+    job: &Job<'_>,
+    scan: &Scan,
+    distance: f64,
+    report: &mut Report,
+) -> Result<(Vec<Vector3<f64>>, usize), Error> {
+    let Some(normals) = &scan.normals else {
+        let what = "an offset needs normals, but this cloud has none";
+        return Err(Error::content(job.points, what, "give a mesh, or a cloud with normals"));
+    };
+    let (points, normals): (Vec<_>, Vec<_>) =
+        scan.points.iter().zip(normals).filter(|(p, _)| p.iter().all(|c| c.is_finite())).unzip();
+    let moved = offset_points(&points, &normals, distance).map_err(|error| refused(job, &error))?;
+    for (count, what) in [
+        (moved.without_normal, "have no normal"),
+        (moved.gouging, "would be cut into by a cutter at another place"),
+    ] {
+        if count > 0 {
+            let of = points.len();
+            let name = job.points.display();
+            report.warnings.push(format!("{name}: {count} of {of} points {what}; they do not count"));
+        }
+    }
+    Ok((moved.points, moved.gouging))
+}
+
+/// The error of the library, with the file that it is about.
+fn refused(job: &Job<'_>, error: &FitError) -> Error {
+    match error {
+        FitError::Rational | FitError::NotRuled { .. } => {
+            Error::content(job.init.unwrap_or(job.points), error.to_string(), "give another start")
+        }
+        FitError::Option { .. } | FitError::Shape(_) => {
+            Error::usage(error.to_string(), "see `indgeo fit-ruled --help`")
+        }
+        _ => Error::content(job.points, error.to_string(), "check it with `indgeo info`"),
+    }
+}

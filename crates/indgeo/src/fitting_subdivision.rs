@@ -1,0 +1,189 @@
+//! The fit of a subdivision surface: read, coarsen, fit, write.
+
+use crate::error::Error;
+use crate::files;
+use crate::fitting_input::{Scan, check_paths, warn_dropped};
+use crate::progress::Progress;
+use crate::report::{Input, Output, Report, Results, Timings};
+use industrial_geometry::fit::subdivision::{coarsened, fit_subdivision_with_progress};
+use industrial_geometry::fit::{Error as FitError, FitOptions, FitReport, Status, StepRecord, Target};
+use industrial_geometry::io::{self, Content, ReadOptions, WriteOptions};
+use industrial_geometry::mesh::{Error as MeshError, HalfEdgeMesh, LoopScheme, TriangleMesh};
+use industrial_geometry::nurbs::nalgebra::Vector3;
+use serde::Serialize;
+use std::path::Path;
+
+/// Vertices of a control mesh that nobody chose: a share of those of the mesh, and limits.
+const SHARE: usize = 10;
+const LIMITS: [usize; 2] = [12, 1000];
+
+/// What is to be done.
+#[derive(Debug)]
+pub(crate) struct Job<'a> {
+    /// File of the points.
+    pub(crate) points: &'a Path,
+    /// File of the control mesh to start from.
+    pub(crate) init: Option<&'a Path>,
+    /// File of the control mesh.
+    pub(crate) out: Option<&'a Path>,
+    /// File of the limit surface, and how often it is subdivided.
+    pub(crate) limit: Option<(&'a Path, u8)>,
+    /// Vertices of the control mesh.
+    pub(crate) vertices: Option<usize>,
+    /// Largest distance that is wanted.
+    pub(crate) tolerance: Option<f64>,
+    /// Options of the library.
+    pub(crate) options: FitOptions,
+    /// Whether nobody wants to watch.
+    pub(crate) quiet: bool,
+}
+
+/// What a fit of a subdivision surface found.
+#[derive(Debug, Serialize)]
+pub(crate) struct SubdivisionResults {
+    /// What the library reports.
+    pub(crate) fit: FitReport,
+    /// Vertices of the control mesh.
+    pub(crate) vertices: usize,
+    /// Triangles of the control mesh.
+    pub(crate) triangles: usize,
+    /// Inner vertices of the control mesh whose neighbours are not six.
+    pub(crate) irregular: usize,
+    /// `coarsened` or `given`.
+    pub(crate) start: &'static str,
+    /// Share of the points within the tolerance.
+    pub(crate) share_within: Option<f64>,
+    /// Whether all of them are; true without a tolerance.
+    pub(crate) within_tolerance: bool,
+    /// Points that are not finite.
+    pub(crate) dropped: usize,
+}
+
+/// Does the job and fills in the report; returns whether the surface is what was asked for.
+pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
+    let inputs: Vec<&Path> = std::iter::once(job.points).chain(job.init).collect();
+    let outputs: Vec<&Path> = job.out.into_iter().chain(job.limit.map(|(path, _)| path)).collect();
+    check_paths(&inputs, &outputs)?;
+    let scan = Scan::read(job.points, false, report)?;
+    let points: Vec<Vector3<f64>> =
+        scan.points.iter().filter(|p| p.iter().all(|c| c.is_finite())).copied().collect();
+    let dropped = scan.points.len() - points.len();
+    warn_dropped(job.points, dropped, scan.points.len(), report);
+    let given = job.init.map(|path| control(path, report)).transpose()?;
+    let start = if given.is_some() { "given" } else { "coarsened" };
+    let progress = Progress::new("fitting", job.quiet);
+    let tell = |_: &StepRecord| progress.tick();
+    let found = Timings::measure(&mut report.timings.compute, || {
+        let control = match (given, scan.mesh) {
+            (Some(control), _) => control,
+            (None, Some(mesh)) => coarse(job, mesh)?,
+            (None, None) => {
+                let what = "a cloud has no triangles from which a control mesh could be made";
+                return Err(Error::content(job.points, what, "give a control mesh (--init), or a mesh"));
+            }
+        };
+        let target = Target::Points { points: &points, weights: None };
+        let found = fit_subdivision_with_progress(target, &control, &job.options, &tell);
+        found.map_err(|error| refused(job, &error))
+    });
+    drop(progress);
+    let found = found?;
+    let within = |t: f64| found.frames.iter().filter(|f| f.distance.abs() <= t).count();
+    let share_within = job.tolerance.map(|t| within(t) as f64 / found.frames.len().max(1) as f64);
+    let within_tolerance = share_within.is_none_or(|share| share >= 1.0);
+    let failed = matches!(found.report.status, Status::Diverged | Status::Singular);
+    let connectivity = HalfEdgeMesh::new(&found.mesh);
+    let irregular = |v: &u32| !connectivity.is_boundary(*v) && connectivity.valence(*v) != 6;
+    let vertices = found.mesh.vertices().len();
+    if let Some(path) = job.out {
+        put_mesh(path, &found.mesh, format!("control mesh of {vertices} vertices"), report)?;
+    }
+    if let Some((path, levels)) = job.limit {
+        let limit = limit(&found.mesh, levels).map_err(|source| broken(job.points, source))?;
+        put_mesh(path, &limit, format!("limit surface after {levels} subdivisions"), report)?;
+    }
+    report.results = Some(Results::Subdivision(Box::new(SubdivisionResults {
+        triangles: found.mesh.triangles().len(),
+        irregular: (0u32..).take(vertices).filter(irregular).count(),
+        vertices,
+        start,
+        share_within,
+        within_tolerance,
+        dropped,
+        fit: found.report,
+    })));
+    Ok(within_tolerance && !failed)
+}
+
+/// The control mesh of a file.
+fn control(path: &Path, report: &mut Report) -> Result<TriangleMesh, Error> {
+    let loaded = Timings::measure(&mut report.timings.read, || files::read(path, &ReadOptions::default()))?;
+    report.inputs.push(Input::new("init", path, &loaded.report));
+    match loaded.content {
+        Content::Mesh(mesh) => Ok(mesh),
+        _ => {
+            let what = "a control mesh is needed, but this file holds no triangles";
+            Err(Error::content(path, what, "give a mesh: OBJ, PLY, OFF or STL"))
+        }
+    }
+}
+
+/// The mesh of the input with few vertices.
+fn coarse(job: &Job<'_>, mut mesh: TriangleMesh) -> Result<TriangleMesh, Error> {
+    mesh.retain_finite();
+    let mesh = welded(mesh).map_err(|source| broken(job.points, source))?;
+    let vertices = job.vertices.unwrap_or((mesh.vertices().len() / SHARE).clamp(LIMITS[0], LIMITS[1]));
+    coarsened(&mesh, vertices).map_err(|error| refused(job, &error))
+}
+
+/// The mesh in which vertices at the same place are one, as in files of triangles without shared vertices.
+fn welded(mesh: TriangleMesh) -> Result<TriangleMesh, MeshError> {
+    let first = mesh.coincident_vertices();
+    let mut place = vec![u32::MAX; first.len()];
+    let mut corners = Vec::new();
+    for (vertex, &one) in first.iter().enumerate() {
+        if one as usize == vertex {
+            place[vertex] = u32::try_from(corners.len()).unwrap_or(u32::MAX);
+            corners.push(mesh.vertices()[vertex]);
+        }
+    }
+    let of = |vertex: u32| place[first[vertex as usize] as usize];
+    let triangles = mesh.triangles().iter().map(|t| t.map(of));
+    let triangles = triangles.filter(|[a, b, c]| a != b && b != c && c != a).collect();
+    TriangleMesh::new(corners, triangles)
+}
+
+/// The mesh subdivided, its vertices on the limit surface.
+fn limit(control: &TriangleMesh, levels: u8) -> Result<TriangleMesh, MeshError> {
+    let mut mesh = control.clone();
+    for _ in 0..levels {
+        mesh = LoopScheme::new(&mesh).subdivide()?;
+    }
+    let corners = LoopScheme::new(&mesh).limits().iter().map(|limit| limit.position).collect();
+    TriangleMesh::new(corners, mesh.triangles().to_vec())
+}
+
+fn put_mesh(path: &Path, mesh: &TriangleMesh, content: String, report: &mut Report) -> Result<(), Error> {
+    let written =
+        Timings::measure(&mut report.timings.write, || io::write_mesh(path, mesh, &WriteOptions::default()))?;
+    report.warnings.extend(written.warnings.iter().map(|w| format!("{}: {w}", path.display())));
+    report.outputs.push(Output { path: path.to_path_buf(), bytes: written.bytes, content });
+    Ok(())
+}
+
+fn broken(path: &Path, source: MeshError) -> Error {
+    Error::Mesh { path: path.to_path_buf(), source }
+}
+
+/// The error of the library, with the file that it is about.
+fn refused(job: &Job<'_>, error: &FitError) -> Error {
+    match error {
+        FitError::Option { .. } => Error::usage(error.to_string(), "see `indgeo fit-subdivision --help`"),
+        FitError::Field { .. } => Error::content(
+            job.init.unwrap_or(job.points),
+            error.to_string(),
+            "check the mesh with `indgeo info`; it must be an oriented manifold",
+        ),
+        _ => Error::content(job.points, error.to_string(), "check it with `indgeo info`"),
+    }
+}
