@@ -242,7 +242,7 @@ mod tests {
         // Directions with a gap of known width after the last one, at every place of the circle.
         let (mut quick, mut sorted) = (0, 0);
         for step in 0..720u16 {
-            let width = 0.5 + 3.0 * f64::from(step % 90) / 90.0;
+            let width = 0.51 + 3.0 * f64::from(step % 90) / 90.0;
             let first = f64::from(step) * 0.174_53;
             let covered = std::f64::consts::TAU - width;
             let around: Vec<Vector2<f64>> = (0..15u8)
