@@ -118,6 +118,28 @@ const MEASUREMENTS: &[Measurement] = &[
         one_thread: false,
     },
     Measurement {
+        name: "clouds",
+        title: "Clouds without parameters: time",
+        about: "On one thread. Wanted: a height field of a million points in 1 s, hidden points of a million in 4 s, a cost per point of \
+                the whole way that does not grow.",
+        package: "cloud-param",
+        features: "",
+        example: "scaling",
+        arguments: &[],
+        one_thread: true,
+    },
+    Measurement {
+        name: "hidden-points",
+        title: "Hidden points against rays",
+        about: "On samples of a mesh, seen from three directions and three places; the default is Automatic(0.72). Wanted: at 35,000 and \
+                1,000,000 points at most 2 % falsely visible and 2 % falsely hidden.",
+        package: "cloud-param",
+        features: "",
+        example: "visibility",
+        arguments: &["fixtures/mesh/bunny.obj"],
+        one_thread: false,
+    },
+    Measurement {
         name: "subdivision",
         title: "Fits of Loop subdivision surfaces",
         about: "A body from a coarse control mesh: point, tangent and squared distance minimisation, distances after each iteration as \

@@ -85,5 +85,17 @@ fn main() -> Result<(), Box<dyn Error>> {
         began.elapsed().as_secs_f64(),
         report.minimisation
     );
+    for step in &report.minimisation.fit.history {
+        println!(
+            "    {} λ {:.1e} rms {:.5} cost {:.4e} moved {:.1e} factor {} feet {}",
+            step.iteration,
+            step.lambda,
+            step.rms,
+            step.cost,
+            step.displacement,
+            step.factor,
+            step.evaluations
+        );
+    }
     Ok(())
 }

@@ -1,7 +1,11 @@
-//! The whole way from clouds of 28 thousand to a million points, with the time of each stage and how it grows per point:
+//! Height fields, hidden points and the whole way of clouds from 28 thousand to a million points, with the time of each stage and how it
+//! grows per point:
 //! `cargo run --release -p cloud-param --example scaling [-- MOST]`.
 
-use cloud_param::{FitOptions, ParameteriseOptions, fit_parameters, parameterise};
+use cloud_param::{
+    FitOptions, MultilevelOptions, ParameteriseOptions, Sharpness, View, fit_parameters, multilevel,
+    parameterise, visible_points,
+};
 use nalgebra::Vector3;
 use std::error::Error;
 use std::f64::consts::TAU;
@@ -28,8 +32,29 @@ fn vase(count: u32) -> Vec<Vector3<f64>> {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let most = std::env::args().nth(1).map_or(Ok(u32::MAX), |n| n.parse())?;
+    let counts = || COUNTS.into_iter().filter(|&n| n <= most);
+    for count in counts() {
+        let points = vase(count);
+        // A wavy height field, met within a thousandth.
+        let place = |i: u32| [0.754_877_666_246, 0.569_840_290_998].map(|step| (f64::from(i) * step).fract());
+        let field = |[x, y]: [f64; 2]| (7.0 * x).sin() * (5.0 * y).cos() + 0.1 * (40.0 * x * y).sin();
+        let data: Vec<Vector3<f64>> =
+            (0..count).map(place).map(|p| Vector3::new(p[0], p[1], field(p))).collect();
+        let began = Instant::now();
+        let (_, report) = multilevel(&data, None, &MultilevelOptions::default().with_tolerance(1e-3))?;
+        let heights = began.elapsed().as_secs_f64();
+        let began = Instant::now();
+        let seen = visible_points(&points, View::Along(-Vector3::x()), Sharpness::default())?;
+        println!(
+            "{count:8} points: height field {heights:.3} s, {} levels, rms {:.1e}; hidden points {:.3} s, {} visible",
+            report.history.len(),
+            report.rms,
+            began.elapsed().as_secs_f64(),
+            seen.count()
+        );
+    }
     let mut first: Option<f64> = None;
-    for count in COUNTS.into_iter().filter(|&n| n <= most) {
+    for count in counts() {
         let points = vase(count);
         let began = Instant::now();
         let found = parameterise(&points, &ParameteriseOptions::default())?;

@@ -1,7 +1,7 @@
 //! Errors of hidden point removal against rays on a mesh, and the time it takes:
 //! `cargo run --release -p cloud-param --example visibility -- MESH.obj`.
 
-use cloud_param::{MultilevelOptions, Sharpness, View, multilevel, visible_points};
+use cloud_param::{Sharpness, View, visible_points};
 use mesh_core::{MeshProjector, TriangleMesh, sample_uniform};
 use nalgebra::{Point3, Vector3};
 use std::error::Error;
@@ -68,10 +68,8 @@ fn main() -> Result<(), Box<dyn Error>> {
                     })
                     .collect::<Result<_, _>>()?;
                 let view = if perspective { View::From(eye) } else { View::Along(-towards) };
-                for sharpness in [5.0, 10.0, 16.0, 24.0]
-                    .map(Sharpness::Automatic)
-                    .into_iter()
-                    .chain([Sharpness::Radius(316.0)])
+                for sharpness in
+                    [0.5, 0.72, 1.0].map(Sharpness::Automatic).into_iter().chain([Sharpness::Radius(316.0)])
                 {
                     let began = Instant::now();
                     let found = visible_points(&points, view, sharpness)?;
@@ -94,13 +92,6 @@ fn main() -> Result<(), Box<dyn Error>> {
                 }
             }
         }
-        let began = Instant::now();
-        let (_, report) = multilevel(&points, None, &MultilevelOptions::default().with_tolerance(0.0))?;
-        println!(
-            "{count:8} multilevel: {} levels, {:.3} s",
-            report.history.len(),
-            began.elapsed().as_secs_f64()
-        );
     }
     Ok(())
 }

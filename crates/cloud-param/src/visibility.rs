@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use std::f64::consts::TAU;
 
 /// Slope, depth over width, by which a point must lie behind all of its neighbours to be a pit.
-const PIT: f64 = 1.0;
+const PIT: f64 = 0.2;
 
 /// Where a cloud is looked at from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,20 +21,21 @@ pub enum View {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
 pub enum Sharpness {
-    /// From the density of the cloud as it is seen: the change of slope within one spacing of the points that is still
-    /// followed. The default is `Automatic(12.0)`.
+    /// From the density of the cloud as it is seen: with `s` the spacing of the points as a share of the diagonal of the cloud, a
+    /// change of slope by this number over `√s` is still followed within one spacing. The default is `Automatic(0.72)`.
     ///
     /// The radius of the sphere grows with the number of points, as it must: small ones hide the bottom of grooves, large
-    /// ones let the eye through the gaps between points.
+    /// ones let the eye through the gaps between points. The power of `s` keeps these two errors about equal from thousands of points
+    /// to millions. Points seen through gaps are recognised, too.
     Automatic(f64),
-    /// The radius of the sphere as a multiple of the largest distance from the view point (\[KTB07\]; \[MPK\] use 10^2.5). For
-    /// a view along a direction this stands for a view from as far away as the cloud is large.
+    /// The radius of the sphere as a multiple of the largest distance from the view point (\[KTB07\]; \[MPK\] use 10^2.5), and
+    /// nothing else: all points of the hull are visible. For a view along a direction this stands for a view from as far away as the cloud is large.
     Radius(f64),
 }
 
 impl Default for Sharpness {
     fn default() -> Self {
-        Self::Automatic(12.0)
+        Self::Automatic(0.72)
     }
 }
 
@@ -64,7 +65,7 @@ impl Visibility {
 /// `(2R − r)/r²` for a point at distance `r`.
 ///
 /// Points that lie steeply behind all of their neighbours on the hull are seen through gaps between points of the cloud; they
-/// count as hidden, so that a large radius, which follows grooves, lets less through.
+/// count as hidden where the radius is automatic, so that a large one, which follows grooves, lets less through.
 ///
 /// # Errors
 /// [`Error::TooFewPoints`] without a finite point, [`Error::Option`] for a direction, view point or sharpness that is not
@@ -132,10 +133,13 @@ fn from_point(
                 let norm = p.norm().max(f64::MIN_POSITIVE);
                 [p.dot(&left).atan2(p.dot(&ahead)) / TAU, p.dot(&up) / norm]
             };
+            let (low, high) =
+                relative.iter().fold((relative[0], relative[0]), |(l, h), p| (l.inf(p), h.sup(p)));
             let angle = spacing(&relative.iter().map(map).collect::<Vec<_>>()) * TAU.sqrt();
             let mut distances: Vec<f64> = relative.iter().map(Vector3::norm).collect();
             let middle = distances.len() / 2;
             let (_, &mut typical, _) = distances.select_nth_unstable_by(middle, f64::total_cmp);
+            let change = followed(change, angle * typical / (high - low).norm().max(f64::MIN_POSITIVE));
             (0.5 * typical * (1.0 + change / angle)).max(farthest)
         }
     };
@@ -159,9 +163,12 @@ fn from_point(
         let (a, b) = (2.0 * radius - p.norm(), 2.0 * radius - q.norm());
         (a - b) / (a.min(b).max(f64::MIN_POSITIVE) * p.normalize().cross(&q.normalize()).norm())
     };
-    let pits = pits(faces, &rise, relative.len());
     let mut seen = hull.vertices().to_vec();
-    seen.retain(|&i| i != eye && !pits[i as usize]);
+    seen.retain(|&i| i != eye);
+    if matches!(sharpness, Sharpness::Automatic(_)) {
+        let pits = pits(faces, &rise, relative.len());
+        seen.retain(|&i| !pits[i as usize]);
+    }
     Ok((seen, radius / farthest))
 }
 
@@ -204,7 +211,8 @@ fn along(
     let curvature = match sharpness {
         Sharpness::Radius(factor) => 2.0 * factor.max(1.0) - 1.0,
         Sharpness::Automatic(change) => {
-            change / spacing(&seen_at.iter().map(|p| [p.x, p.y]).collect::<Vec<_>>())
+            let spacing = spacing(&seen_at.iter().map(|p| [p.x, p.y]).collect::<Vec<_>>());
+            followed(change, spacing) / spacing
         }
     };
     // The depth is scaled down instead of the rest up, so that coordinates keep their size.
@@ -225,14 +233,21 @@ fn along(
             let d = seen_at[i as usize] - seen_at[j as usize];
             d.z / d.xy().norm()
         };
-        let pits = pits(faces(), &rise, lifted.len());
         seen = faces().flatten().copied().collect();
         seen.sort_unstable();
         seen.dedup();
-        seen.retain(|&i| !pits[i as usize]);
+        if matches!(sharpness, Sharpness::Automatic(_)) {
+            let pits = pits(faces(), &rise, lifted.len());
+            seen.retain(|&i| !pits[i as usize]);
+        }
     }
     seen.retain(|&i| i != behind);
     Ok((seen, 0.5 * (curvature + 1.0)))
+}
+
+/// The change of slope that is followed within one spacing, which is given as a share of the diagonal.
+fn followed(change: f64, spacing: f64) -> f64 {
+    change / spacing.clamp(1e-6, 1.0).sqrt()
 }
 
 /// Side of the square that one of two layers of points has to itself, by counting the cells of a grid that are occupied.

@@ -1,5 +1,6 @@
 //! The fit of a surface: read, fit, write.
 
+use crate::between_vertices::between_vertices;
 use crate::error::Error;
 use crate::fitting_input::{Scan, check_paths, put_model, start_surface, warn_dropped};
 use crate::progress::Progress;
@@ -37,13 +38,17 @@ pub(crate) struct SurfaceResults {
     pub(crate) fitted: SurfaceReport,
     /// Where it began, if no surface was given.
     pub(crate) start: Option<Start>,
+    /// Points on the triangles of a thinned mesh that were taken besides its vertices.
+    pub(crate) added: usize,
 }
 
 /// Does the job and fills in the report; returns whether the surface is what was asked for.
 pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
     let inputs: Vec<&Path> = std::iter::once(job.points).chain(job.init).collect();
     check_paths(&inputs, job.out.as_slice())?;
-    let points = Scan::read(job.points, false, report)?.points;
+    let Scan { mut points, mesh, .. } = Scan::read(job.points, false, report)?;
+    let samples = mesh.map_or_else(Vec::new, |mesh| between_vertices(&mesh, job.points, report));
+    points.extend(&samples);
     let start = job.init.map(|path| start_surface(path, report)).transpose()?;
     let progress = Progress::new("fitting", job.quiet);
     let tell = |_: &StepRecord| progress.tick();
@@ -86,7 +91,8 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
     }
     let failed = matches!(fitted.fit.status, Status::Diverged | Status::Singular);
     let good = fitted.within_tolerance && !failed;
-    report.results = Some(Results::Surface(Box::new(SurfaceResults { fitted, start: from })));
+    report.results =
+        Some(Results::Surface(Box::new(SurfaceResults { fitted, start: from, added: samples.len() })));
     Ok(good)
 }
 

@@ -2,6 +2,7 @@
 //! fit-surface | fit-ruled | fit-subdivision | convert | info | demo | selftest`.
 
 mod args;
+mod between_vertices;
 mod commands;
 mod demo;
 mod error;

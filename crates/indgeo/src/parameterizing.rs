@@ -1,5 +1,6 @@
 //! The parameterisation of a cloud: read, parameterise, fit, write.
 
+use crate::between_vertices::between_vertices;
 use crate::error::Error;
 use crate::files;
 use crate::output::{self, Format, ParameterTable};
@@ -13,6 +14,7 @@ use industrial_geometry::cloud_param::{
 };
 use industrial_geometry::fit::StepRecord;
 use industrial_geometry::io::{self, Model, WriteOptions};
+use industrial_geometry::mesh::TriangleMesh;
 use industrial_geometry::nurbs::BsplineSurface;
 use industrial_geometry::nurbs::nalgebra::Vector3;
 use serde::Serialize;
@@ -45,6 +47,8 @@ pub(crate) struct ParameterResults {
     /// What the library reports.
     #[serde(flatten)]
     pub(crate) found: ParameteriseReport,
+    /// Points on the triangles of a thinned mesh that were taken besides its vertices, the last of all points.
+    pub(crate) added: usize,
     /// The fitted surface, if one was asked for.
     pub(crate) fit: Option<FitResults>,
 }
@@ -107,7 +111,10 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
     report.inputs.push(Input::new("points", job.points, &points.report));
     let warnings = points.report.warnings.iter().map(|w| format!("{}: {w}", job.points.display()));
     report.warnings.extend(warnings);
-    let cloud = points.in_space(job.points)?;
+    let mut cloud = points.in_space(job.points)?;
+    let mesh = TriangleMesh::new(points.positions.clone(), points.triangles.clone());
+    let samples = mesh.map_or_else(|_| Vec::new(), |mesh| between_vertices(&mesh, job.points, report));
+    cloud.extend(&samples);
 
     let progress = Progress::steps("parameterising", job.quiet);
     let tell = |stage: Stage| progress.report(stage as usize, Stage::Parameters as usize + 1);
@@ -131,10 +138,12 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
             surface(path, &fit.0.surface, "fitted surface", report)?;
         }
         if let Some((path, format)) = format {
-            let table =
-                ParameterTable { points: &points.positions, feet: &found.feet, counts: &found.counts };
-            let bytes = output::write(path, format, &table)?;
-            let content = format!("{} parameter pairs", found.feet.len());
+            // Not of points that were added.
+            let count = points.positions.len();
+            let (feet, counts) = (&found.feet[..count], &found.counts[..count]);
+            let bytes =
+                output::write(path, format, &ParameterTable { points: &points.positions, feet, counts })?;
+            let content = format!("{count} parameter pairs");
             report.outputs.push(Output { path: path.to_path_buf(), bytes, content });
         }
         Ok(())
@@ -142,7 +151,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
     timings.write = seconds;
     report.timings = timings;
     let converged = found.is_converged();
-    let results = results(found, fitted, job.fit);
+    let results = results(found, samples.len(), fitted, job.fit);
     if let Some(finish) = results.fit.as_ref().and_then(|fit| fit.finish.as_ref()) {
         kept(finish, report);
     }
@@ -194,7 +203,12 @@ pub(crate) fn kept(finish: &FinishReport, report: &mut Report) {
     ));
 }
 
-fn results(found: Parameterisation, fitted: Option<Fitted>, options: FitOptions) -> ParameterResults {
+fn results(
+    found: Parameterisation,
+    added: usize,
+    fitted: Option<Fitted>,
+    options: FitOptions,
+) -> ParameterResults {
     let fit = fitted.map(|(fit, least_squares, finish)| FitResults {
         control_points: options.control_points,
         defects: SurfaceDefects::of(&fit.surface, None),
@@ -205,7 +219,7 @@ fn results(found: Parameterisation, fitted: Option<Fitted>, options: FitOptions)
         least_squares,
         finish,
     });
-    ParameterResults { found: found.report, fit }
+    ParameterResults { found: found.report, added, fit }
 }
 
 fn surface(path: &Path, surface: &BsplineSurface, content: &str, report: &mut Report) -> Result<(), Error> {
@@ -238,6 +252,13 @@ fn warn(job: &Job<'_>, found: &ParameteriseReport, report: &mut Report) {
             "{name}: the base surface has {} self-loops and {} crossovers; parameters are wrong there: try a coarser --grid, \
              another --axis or --shape",
             found.defects.self_loops, found.defects.crossovers
+        ));
+    }
+    if found.rms > found.spacing {
+        report.warnings.push(format!(
+            "{name}: the points are {:.3e} from the base surface on average, farther than they are from each other ({:.3e}): it does \
+             not follow what is finer than its {} x {} samples; a fit with enough control points comes nearer, or try another --grid",
+            found.rms, found.spacing, found.grid[0], found.grid[1]
         ));
     }
     if found.unsupported > 0.02 {

@@ -3,7 +3,7 @@
 use crate::report::Report;
 use industrial_geometry::cloud_param::{
     Error as ParameterError, FinishOutcome, FitOptions, ParameteriseOptions, ParameteriseReport, Shape,
-    SurfaceDefects, finish_fit_with_progress, finish_options, fit_parameters, parameterise,
+    finish_fit_with_progress, finish_options, fit_parameters, parameterise,
 };
 use industrial_geometry::fit::{
     BaseShape, Error, Folds, Progress, Smoothing, SurfaceOptions, SurfaceReport, fit_cloud_with_progress,
@@ -113,8 +113,9 @@ fn over_base_surface(
     };
     let least_squares = fit_parameters(points, &found.base, &found.feet, &found.counts, &fit)?;
     start.least_squares_rms = Some(least_squares.rms);
+    let like_finish = finish_options();
     let near = options.with_fit(match options.fit.smoothing {
-        Smoothing::Automatic { .. } => options.fit.with_smoothing(finish_options().fit.smoothing),
+        Smoothing::Automatic { .. } => options.fit.with_smoothing(like_finish.fit.smoothing),
         _ => options.fit,
     });
     let base = match found.report.shape.shape {
@@ -128,6 +129,9 @@ fn over_base_surface(
         let fitted = fit_surface_with_progress(&data, least_squares.surface, &near, progress)?;
         (fitted.surface, fitted.report)
     } else {
+        let near = near
+            .with_unfoldings(like_finish.unfoldings)
+            .with_fit(near.fit.with_damping(like_finish.fit.damping));
         let (done, finish) = finish_fit_with_progress(points, &found.counts, least_squares, &near, progress)?;
         start.outcome = Some(finish.outcome);
         let mut report = finish.minimisation;
@@ -136,10 +140,6 @@ fn over_base_surface(
         (done.surface, report)
     };
     report.folds = Folds::of(&surface);
-    if SurfaceDefects::of(&surface, None).is_none() {
-        // What is left are ridges.
-        report.folds.folded.clear();
-    }
     report.base = Some(base);
     report.dropped = found.report.dropped;
     Ok((surface, report, start))

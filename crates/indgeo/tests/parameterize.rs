@@ -91,6 +91,35 @@ fn a_real_scan_of_a_bolt() {
     assert!(report["results"]["unique"].as_f64().unwrap() > 0.99);
 }
 
+/// A thinned mesh with hardly a vertex where it is flat: points on its triangles take part, parameters are those of its vertices.
+#[test]
+fn a_thinned_mesh_of_a_blade_gets_a_base_surface_without_folds() {
+    let bench = Bench::new();
+    let scan = fixture("scans/engine-blade.ply");
+    let run = bench.run(&format!(
+        "parameterize {scan} -o base.json --params uv.csv --fit blade.json --shape cylinder --no-finish --json report.json"
+    ));
+    // The platform is finer than the base surface: it is done, but not near everywhere, and says so.
+    assert!(run.code < 2, "{}{}", run.stdout, run.stderr);
+    assert!(
+        run.stderr.contains("points on the wide ones are taken besides the 21795 vertices"),
+        "{}",
+        run.stderr
+    );
+    let report: serde_json::Value = serde_json::from_str(&bench.text("report.json")).unwrap();
+    let results = &report["results"];
+    assert_eq!(
+        (&results["defects"]["self_loops"], &results["defects"]["crossovers"]),
+        (&0.into(), &0.into())
+    );
+    assert_eq!(results["fit"]["defects"]["crossovers"], 0, "{}", results["fit"]);
+    let added = results["added"].as_u64().unwrap();
+    assert!(added > 5000 && results["points"].as_u64().unwrap() == 21795 + added, "{added}");
+    assert_eq!(bench.text("uv.csv").lines().count(), 21796);
+    assert_eq!(run.code == 0, results["status"] == "converged");
+    assert!(run.code == 0 || run.stderr.contains("farther than they are from each other"), "{}", run.stderr);
+}
+
 #[test]
 fn bad_input_says_what_and_what_to_do() {
     let bench = Bench::new();

@@ -9,7 +9,7 @@
 //!   and [`MeshCurvature`] of meshes.
 //! - Connectivity: [`HalfEdgeMesh`] with what is wrong with it, [`LoopScheme`] for subdivision surfaces, [`LoopSurface`] for
 //!   their exact limits.
-//! - Sampling: [`sample_uniform`], [`sample_poisson_disk`], [`voxel_downsample`], [`farthest_points`], and outliers by
+//! - Sampling: [`sample_uniform`], [`sample_poisson_disk`], [`sample_wide_triangles`], [`voxel_downsample`], [`farthest_points`], and outliers by
 //!   [`statistical_outliers`] and [`radius_outliers`].
 //!
 //! ```
@@ -70,7 +70,7 @@ pub use normals::{
 pub use polyline::{Polyline, PolylineFootpoint};
 pub use sampling::{
     Outliers, SurfaceSample, VoxelPoint, VoxelSample, eliminate_samples, farthest_points, radius_outliers,
-    sample_poisson_disk, sample_uniform, statistical_outliers, voxel_downsample,
+    sample_poisson_disk, sample_uniform, sample_wide_triangles, statistical_outliers, voxel_downsample,
 };
 pub use topology::MeshTopology;
 pub use triangle::Feature;

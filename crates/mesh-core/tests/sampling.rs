@@ -8,7 +8,7 @@ use mesh_core::nalgebra::{Point2, Point3, Vector3};
 use mesh_core::{
     CloudIndex, Colours, Error, MeshProjector, PointCloud, SurfaceSample, TriangleMesh, VoxelPoint,
     eliminate_samples, farthest_points, radius_outliers, sample_poisson_disk, sample_uniform,
-    statistical_outliers, voxel_downsample,
+    sample_wide_triangles, statistical_outliers, voxel_downsample,
 };
 use shapes::{bunny, octasphere, sphere, spread, torus};
 
@@ -60,9 +60,33 @@ fn poisson_disks_keep_their_distance() {
 }
 
 #[test]
+fn wide_triangles_are_filled_and_even_meshes_left_alone() {
+    assert!(sample_wide_triangles(&octasphere(4), 1).unwrap().is_empty());
+    // A square of 20 by 20 cells with a square of two triangles, as large as all of them, beside it.
+    let (n, mut vertices, mut triangles) = (21u32, Vec::new(), Vec::new());
+    vertices.extend((0..n * n).map(|k| Point3::new(f64::from(k % n) / 20.0, f64::from(k / n) / 20.0, 0.0)));
+    for k in (0..n * (n - 1)).filter(|k| k % n + 1 < n) {
+        triangles.extend([[k, k + 1, k + n + 1], [k, k + n + 1, k + n]]);
+    }
+    let corners = [(1.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0)].map(|(x, y)| Point3::new(x, y, 0.0));
+    let first = n * n;
+    vertices.extend(corners);
+    triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+    let mesh = TriangleMesh::new(vertices, triangles).unwrap();
+    let samples = sample_wide_triangles(&mesh, 7).unwrap();
+    // Of 445 vertices on an area of 2, half would be there.
+    assert!((220..=224).contains(&samples.len()), "{}", samples.len());
+    assert!(samples.iter().all(|s| (1.0..=2.0).contains(&s.point.x) && (0.0..=1.0).contains(&s.point.y)));
+    let left = samples.iter().filter(|s| s.point.x < 1.5).count();
+    assert!((85..=137).contains(&left), "{left}");
+    assert_eq!(samples, sample_wide_triangles(&mesh, 7).unwrap());
+}
+
+#[test]
 fn sampling_nothing() {
     let none = TriangleMesh::new(vec![Point3::origin(); 3], vec![[0, 1, 2]]).unwrap();
     assert_eq!(sample_uniform(&none, 5, 0), Err(Error::NoArea { triangles: 1 }));
+    assert_eq!(sample_wide_triangles(&none, 0), Err(Error::NoArea { triangles: 1 }));
     let mut vertices = octasphere(0).vertices().to_vec();
     vertices[0].x = f64::NAN;
     let half = TriangleMesh::new(vertices, octasphere(0).triangles().to_vec()).unwrap();

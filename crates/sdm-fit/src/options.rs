@@ -100,6 +100,9 @@ pub struct FitOptions {
     pub term: ErrorTerm,
     /// How steps are controlled; default [`StepControl::Armijo`].
     pub control: StepControl,
+    /// Least damping of displacements in every step, as a share of the mean of the diagonal of the normal equations; default 0. What
+    /// hardly changes the distances, as motions in the tangent planes, stays near where it is with a little of it.
+    pub damping: f64,
     /// How much the energy counts; default [`Smoothing::Automatic`].
     pub smoothing: Smoothing,
     /// Factors of the squared first, second and third derivatives in the energy; default 0.1, 1, 0.
@@ -129,6 +132,7 @@ impl Default for FitOptions {
         Self {
             term: ErrorTerm::SquaredDistance,
             control: StepControl::Armijo,
+            damping: 0.0,
             smoothing: Smoothing::default(),
             energy: [0.1, 1.0, 0.0],
             fairing: 0.0,
@@ -159,6 +163,8 @@ impl FitOptions {
         with_term(term: ErrorTerm);
         /// The same options with another step control.
         with_control(control: StepControl);
+        /// The same options with another least damping.
+        with_damping(damping: f64);
         /// The same options with another smoothing.
         with_smoothing(smoothing: Smoothing);
         /// The same options with another energy.
@@ -203,6 +209,7 @@ impl FitOptions {
         at_least_0("tolerance", self.tolerance)?;
         at_least_0("cost_tolerance", self.cost_tolerance)?;
         at_least_0("fairing", self.fairing)?;
+        at_least_0("damping", self.damping)?;
         self.energy.into_iter().try_for_each(|value| at_least_0("energy", value))?;
         at_least_0("abs_goal", self.abs_goal.unwrap_or(0.0))?;
         match self.smoothing {

@@ -1,11 +1,11 @@
 //! Part of the way from one surface to another: as far as there are no folds.
 
 use crate::Error;
-use crate::defects::folded_spans;
 use nurbs_core::BsplineSurface;
+use sdm_fit::Folds;
 
 /// How often control points around folds are moved back.
-const ROUNDS: usize = 12;
+const ROUNDS: usize = 40;
 /// Share of the way that they are moved back each time.
 const BACK: f64 = 0.34;
 
@@ -15,14 +15,14 @@ pub(super) fn eased(
     from: &BsplineSurface,
     to: &BsplineSurface,
 ) -> Result<Option<(BsplineSurface, f64)>, Error> {
-    let allowed = folded_spans(from).len();
+    let allowed = Folds::of(from).count();
     let (m, n) = (to.knots_u().distinct_count(), to.knots_v().distinct_count());
     let (n_u, n_v) = (to.n_u(), to.n_v());
     let closed = [to.knots_u().is_periodic(), to.knots_v().is_periodic()];
     let mut back = vec![0.0f64; m * n];
     let mut surface = to.clone();
     for round in 0..=ROUNDS {
-        let folded = folded_spans(&surface);
+        let folded = Folds::of(&surface).folded;
         if folded.len() <= allowed {
             return Ok(Some((surface, back.iter().sum::<f64>() / back.len().max(1) as f64)));
         }

@@ -7,20 +7,61 @@ use footpoint::{ProjectionOptions, SurfaceProjector};
 use nalgebra::Vector3;
 use nurbs_core::BsplineSurface;
 use sdm_fit::{
-    Progress, Smoothing, Status, SurfaceOptions, SurfaceReport, fit_surface_with_progress, no_progress,
+    Folds, Progress, Smoothing, Status, SurfaceOptions, SurfaceReport, fit_surface_with_progress, no_progress,
 };
 
 /// Factor of the energy with which a finish begins: the surface is near the points, and more would draw it away from them.
 const SMOOTHING: f64 = 1e-6;
 const ITERATIONS: usize = 30;
+/// Damping of motions, most of them within the tangent planes, where nothing folds.
+const DAMPING: f64 = 1e-2;
+/// Iterations after which it is seen whether the surface folds; if so, what the damping is raised to, and the factor of the fairing.
+const TRIAL: usize = 5;
+const CAREFUL: f64 = 0.1;
+const LESS: f64 = 0.1;
 
-/// Options of squared distance minimisation for a surface that is near its points already: those of [`SurfaceOptions`], but the
-/// smoothing begins with little, 1e-6, and is then what the data ask for.
+/// Options of squared distance minimisation for a surface that is near its points already: those of [`SurfaceOptions`], but
+/// motions are damped, the smoothing begins with little, 1e-6, and is then what the data ask for, and folds are left to [`finish_fit`],
+/// which knows a surface without them.
 #[must_use]
 pub fn finish_options() -> SurfaceOptions {
     let defaults = SurfaceOptions::default();
     let smoothing = Smoothing::Automatic { start: SMOOTHING, factor: 0.5 };
-    defaults.with_fit(defaults.fit.with_smoothing(smoothing).with_max_iterations(ITERATIONS))
+    let fit = defaults.fit.with_smoothing(smoothing).with_damping(DAMPING);
+    defaults.with_unfoldings(0).with_fit(fit.with_max_iterations(ITERATIONS))
+}
+
+/// Minimises squared distances from a surface on. Where it folds after a few iterations, since the net does not resolve what the data
+/// show, it begins again, its motions more strongly damped.
+fn minimised(
+    data: &[Vector3<f64>],
+    start: &BsplineSurface,
+    options: &SurfaceOptions,
+    progress: Progress<'_>,
+) -> Result<sdm_fit::SurfaceFit, Error> {
+    let steps = options.fit.max_iterations;
+    // With knots inserted, or with weights, a part of the way is no way.
+    if options.abs_tolerance.is_some() || options.rational || steps <= TRIAL {
+        return Ok(fit_surface_with_progress(data, start.clone(), options, progress)?);
+    }
+    let trial = options.with_fit(options.fit.with_max_iterations(TRIAL));
+    let first = fit_surface_with_progress(data, start.clone(), &trial, progress)?;
+    if first.report.fit.status != Status::MaxIterations {
+        return Ok(first);
+    }
+    let fit = options.fit.with_max_iterations(steps - TRIAL);
+    let (from, fit) = if Folds::of(&first.surface).count() <= Folds::of(start).count() {
+        (first.surface, fit)
+    } else {
+        (start.clone(), fit.with_damping(fit.damping.max(CAREFUL)).with_fairing(fit.fairing * LESS))
+    };
+    let mut made = fit_surface_with_progress(data, from, &options.with_fit(fit), progress)?;
+    made.report.fit.initial_rms = first.report.fit.initial_rms;
+    let mut history = first.report.fit.history;
+    history.append(&mut made.report.fit.history);
+    (1..).zip(&mut history).for_each(|(number, step)| step.iteration = number);
+    made.report.fit.history = history;
+    Ok(made)
 }
 
 /// Which surface a finish leaves.
@@ -114,7 +155,7 @@ pub fn finish_fit_with_progress(
     }
     let used: Vec<usize> = (0..points.len()).filter(|&i| counts[i]).collect();
     let data: Vec<Vector3<f64>> = used.iter().map(|&i| points[i]).collect();
-    let made = fit_surface_with_progress(&data, fitted.surface.clone(), options, progress)?;
+    let made = minimised(&data, &fitted.surface, options, progress)?;
     let cancelled = made.report.fit.status == Status::Cancelled;
     // With knots inserted, or with weights, there is no way back to the beginning.
     let same_knots = made.surface.weights().is_none()

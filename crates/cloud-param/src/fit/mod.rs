@@ -7,16 +7,19 @@ mod knots;
 
 pub use finish::{FinishOutcome, FinishReport, finish_fit, finish_fit_with_progress, finish_options};
 
-use crate::defects::folded_spans;
 use crate::{Error, SurfaceDefects, parallel};
 use anchors::Anchors;
 use footpoint::{ProjectionOptions, SurfaceFootpoint, SurfaceProjector, no_progress};
 use knots::Spans;
 use nalgebra::Vector3;
 use nurbs_core::{BsplineSurface, ParametricSurface, SurfaceFitOptions};
+use sdm_fit::Folds;
 
 /// How many times cells that fold are drawn to the base surface.
 const UNFOLDINGS: usize = 10;
+/// How many times the energy is raised after that if there are folds left, and by what factor.
+const STIFFENINGS: usize = 8;
+const STIFFER: f64 = 10.0;
 
 /// How a surface is fitted to points with parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,7 +72,7 @@ pub struct SurfaceFit {
 /// ends ([MPK, sec. 4]).
 ///
 /// Where the surface would fold, since there is more to see than its net resolves or less data than it needs, it is drawn to the
-/// base surface, which does not.
+/// base surface, which does not; if the net does not resolve that either, it is smoothed.
 ///
 /// `feet` are the footpoints on the base surface; `counts` says which points take part.
 ///
@@ -141,24 +144,34 @@ pub fn fit_parameters(
     // Where the net does not resolve what the data show, it folds. The base surface does not: there it counts, too.
     let mut anchors = Anchors::none(best.1.map(|s| s.ends), closed);
     let per_cell = data.len() as f64 / ((n_u - p).max(1) * (n_v - q).max(1)) as f64;
-    let solve = |parameters: &[[f64; 2]], anchors: &Anchors| -> Result<BsplineSurface, Error> {
+    let mut energy = options.regularisation;
+    let solve = |parameters: &[[f64; 2]], anchors: &Anchors, energy: f64| -> Result<BsplineSurface, Error> {
         let held = anchors.points(base, per_cell);
         let mut weights = vec![1.0; data.len()];
         weights.extend(held.weights);
-        let options = fit.clone().with_weights(weights);
+        let options = fit.clone().with_weights(weights).with_regularization(energy);
         let (parameters, points) =
             ([parameters, &held.parameters].concat(), [&data[..], &held.points].concat());
         Ok(BsplineSurface::approximate(knots.clone(), &parameters, &points, &options)?.shape)
     };
-    let mut first = solve(&parameters, &anchors)?;
-    let mut folded = folded_spans(&first);
+    let mut first = solve(&parameters, &anchors, energy)?;
+    let mut folded = Folds::of(&first).folded;
     for _ in 0..UNFOLDINGS {
         if folded.is_empty() {
             break;
         }
         anchors.strengthen(&folded);
-        first = solve(&parameters, &anchors)?;
-        folded = folded_spans(&first);
+        first = solve(&parameters, &anchors, energy)?;
+        folded = Folds::of(&first).folded;
+    }
+    // Nor does it resolve the base: a smoother surface.
+    for _ in 0..STIFFENINGS {
+        if folded.is_empty() {
+            break;
+        }
+        energy = STIFFER * energy.max(f64::EPSILON);
+        first = solve(&parameters, &anchors, energy)?;
+        folded = Folds::of(&first).folded;
     }
     let folds = |surface: &BsplineSurface| SurfaceDefects::of(surface, None).crossovers;
     let mut history = Vec::new();
@@ -179,7 +192,7 @@ pub fn fit_parameters(
         parameters = used.iter().map(|&i| all[i].parameter).collect();
         best = Some((surface, all));
         if history.len() <= options.corrections {
-            next = Some(solve(&parameters, &anchors)?);
+            next = Some(solve(&parameters, &anchors, energy)?);
         }
     }
     let Some((surface, feet)) = best else {

@@ -65,9 +65,14 @@ impl SampleGrid {
 
     /// Smooths the grid: every place is moved halfway to the middle of its neighbours, on the ends along these only.
     pub(crate) fn smoothed(&self) -> Self {
+        self.smoothed_where(&vec![true; self.points.len()])
+    }
+
+    /// Smooths some places of the grid.
+    pub(super) fn smoothed_where(&self, chosen: &[bool]) -> Self {
         let n = self.size[1];
         let mut smooth = self.clone();
-        for (k, slot) in smooth.points.iter_mut().enumerate() {
+        for (k, slot) in smooth.points.iter_mut().enumerate().filter(|(k, _)| chosen[*k]) {
             let (i, j) = (k / n, k % n);
             let Some([a, b]) = self.beside(i, j) else { continue };
             let middle = if j == 0 || j + 1 == n {

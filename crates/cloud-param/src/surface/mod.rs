@@ -3,6 +3,7 @@
 mod boundary;
 mod grid;
 mod refine;
+mod unfold;
 
 pub use boundary::{Boundary, dynamic_base_surface};
 pub use grid::{SampleGrid, grid_of_curves};

@@ -1,6 +1,7 @@
 //! Refinement and relaxation of a base surface.
 
 use super::SampleGrid;
+use super::unfold::unfolded;
 use crate::defects::SurfaceDefects;
 use crate::directed::project;
 use crate::{AxisFrame, DirectedOptions, Error, Neighbourhood, parallel};
@@ -52,9 +53,9 @@ pub struct RefineStep {
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct RefineReport {
-    /// The state before the first iteration and after each.
+    /// The state before the first iteration and after each, and after smoothing around folds if that was needed.
     pub history: Vec<RefineStep>,
-    /// The state that was kept: the nearest of those with fewest defects.
+    /// The state that was kept: the last of those with fewest defects.
     pub kept: usize,
     /// Whether the change fell below the threshold.
     pub converged: bool,
@@ -66,7 +67,8 @@ pub struct RefineReport {
 /// planes, and again ([MPK, sec. 3.7], after the dynamic base surfaces of \[Az04\]).
 ///
 /// Places without a point near them are carried by their neighbours. On the first and last row, in `v`, places stay in
-/// their layer across the axis if there is one. The state with fewest defects, among these the nearest, is kept.
+/// their layer across the axis if there is one. The state with fewest defects, among these the last, is kept. Where some cells
+/// are folded even so, the places around them are smoothed until none is, and that is one state more.
 ///
 /// # Errors
 /// [`Error::Option`]; [`Error::Nurbs`] if no surface can be laid through the grid.
@@ -112,6 +114,16 @@ pub fn refine(
             report.converged = true;
             break;
         }
+    }
+    if worth(&report.history[report.kept]) > 0
+        && let Some((grid, surface)) = unfolded(&best.0, &best.1, axes)?
+    {
+        report.kept = report.history.len();
+        report.history.push(RefineStep {
+            rms: cloud.rms(&supported(&grid, cloud)),
+            defects: SurfaceDefects::default(),
+        });
+        best = (grid, surface);
     }
     report.unsupported = 1.0 - supported(&best.0, cloud).len() as f64 / best.0.points.len() as f64;
     Ok((best.0, best.1, report))

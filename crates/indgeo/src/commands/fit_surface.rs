@@ -18,7 +18,8 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = AFTER_HELP)]
 pub(crate) struct Args {
-    /// The points: any cloud, or a mesh, whose vertices are taken; `-` is standard input
+    /// The points: any cloud, or a mesh, whose vertices are taken, and points on its triangles where it was thinned out; `-` is
+    /// standard input
     points: PathBuf,
     /// The surface (NURBS JSON)
     #[arg(long, short, value_name = "OUT.json")]

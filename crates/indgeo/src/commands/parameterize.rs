@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = AFTER_HELP)]
 pub(crate) struct Args {
-    /// The points: any cloud, or the vertices of a mesh; `-` is standard input
+    /// The points: any cloud, or the vertices of a mesh, and points on its triangles where it was thinned out; `-` is standard input
     points: PathBuf,
     /// The base surface (NURBS JSON), periodic in u where it is closed
     #[arg(long, short, value_name = "BASE.json")]

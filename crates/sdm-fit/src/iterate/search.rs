@@ -50,8 +50,12 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
         cost: f64,
     ) -> Result<Searched<D, S>, Error> {
         let slack = 1e-13 * cost;
-        let mut damping =
-            if self.options.control == StepControl::LevenbergMarquardt { self.damping } else { 0.0 };
+        let least = self.options.damping;
+        let mut damping = if self.options.control == StepControl::LevenbergMarquardt {
+            self.damping.max(least)
+        } else {
+            least
+        };
         loop {
             let Some(step) = self.solve(normal, vector, damping) else { return Ok(Searched::Singular) };
             let longest = self.share(&step, 1.0);
@@ -84,10 +88,10 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
                     if let Some(trial) = self.attempt(&step, 1.0, weights)?
                         && trial.cost <= cost + slack
                     {
-                        self.damping = if damping <= DAMPING[0] { 0.0 } else { damping * 0.1 };
+                        self.damping = if damping <= DAMPING[0].max(least) { 0.0 } else { damping * 0.1 };
                         return Ok(Searched::Found(trial));
                     }
-                    damping = if damping == 0.0 { DAMPING[0] } else { damping * 10.0 };
+                    damping = (damping * 10.0).max(DAMPING[0]);
                     if damping > DAMPING[1] {
                         return Ok(Searched::None { displacement: longest, gain: slope.abs() });
                     }

@@ -38,6 +38,8 @@ pub struct SurfaceOptions {
     /// Whether weights are unknowns, too, so that cylinders, spheres, other quadrics and tori are exact; default not. Boundaries
     /// are free then.
     pub rational: bool,
+    /// How often the loop goes on with more fairing around cells that are folded; default 6.
+    pub unfoldings: usize,
     /// The loop; the default takes second derivatives as energy, fairs parameter lines, and stops after 30 iterations or three
     /// that change the mean squared distance by less than 0.2 %.
     pub fit: FitOptions,
@@ -53,6 +55,7 @@ impl Default for SurfaceOptions {
             max_controls: 10_000,
             fixed_boundary: false,
             rational: false,
+            unfoldings: 6,
             fit: FitOptions::default()
                 .with_energy([0.0, 1.0, 0.0])
                 .with_max_iterations(30)
@@ -89,6 +92,8 @@ impl SurfaceOptions {
         with_fixed_boundary(fixed_boundary: bool);
         /// The same options with or without weights.
         with_rational(rational: bool);
+        /// The same options with another number of attempts at folds.
+        with_unfoldings(unfoldings: usize);
         /// The same options for the loop.
         with_fit(fit: FitOptions);
     }

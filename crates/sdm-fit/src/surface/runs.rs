@@ -12,8 +12,7 @@ use nurbs_core::BsplineSurface;
 /// Coefficients up to which the data are asked for the smoothing, and the factor of the energy above.
 const ASKED: usize = 2500;
 const TRIFLE: f64 = 1e-6;
-/// How often a folded surface is faired more, and the steps each time.
-const UNFOLDINGS: usize = 6;
+/// Steps with more fairing around folds, and how much more.
 const UNFOLDING_STEPS: usize = 6;
 const STIFFER: f64 = 10.0;
 
@@ -69,7 +68,7 @@ impl<'a> Runs<'a> {
         options: &FitOptions,
     ) -> Result<Folds, Error> {
         let mut folds = Folds::of(fitted.shape.surface());
-        for _ in 0..UNFOLDINGS {
+        for _ in 0..self.options.unfoldings {
             if folds.count() == 0 || options.fairing <= 0.0 || fitted.report.status == Status::Cancelled {
                 break;
             }
