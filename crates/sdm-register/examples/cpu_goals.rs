@@ -37,11 +37,13 @@ fn cpu() -> f64 {
 }
 
 type Outcome = Result<(), Box<dyn Error>>;
+/// Runs and prints what is called so.
+type Case<'a> = &'a dyn Fn(&str) -> Outcome;
 
 fn main() -> Outcome {
     println!("{:44} {:>8} {:>8} {:>8} {:>6}  result", "case", "seconds", "register", "goal", "ratio");
     let chosen = std::env::args().nth(1).unwrap_or_default();
-    let cases: [(&str, &dyn Fn(&str) -> Outcome); 5] = [
+    let cases: [(&str, Case<'_>); 5] = [
         ("100,000 points, exact surface, noise 1e-3", &|name| surface(name, 100_000, 2.2e-3, 0.77)),
         ("1,000,000 points, exact surface, noise 1e-3", &|name| surface(name, 1_000_000, 2.2e-3, 6.0)),
         ("two clouds of 40,000 points", &|name| clouds(name, 40_000, 0.24)),

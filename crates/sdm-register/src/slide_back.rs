@@ -85,7 +85,7 @@ mod tests {
     #[test]
     fn a_helical_motion_is_undone() {
         let points: Vec<_> = (0..700)
-            .map(|i| f64::from(i))
+            .map(f64::from)
             .map(|t| Vector3::new((t * 0.37).sin(), (t * 0.73).cos(), (t * 0.11).sin() * 3.0))
             .collect();
         let start = Pose::new(nalgebra::Matrix3::identity(), Vector3::new(0.2, -0.1, 0.4));
