@@ -192,7 +192,8 @@ fn bench_targets(metadata: &Value) -> Vec<(String, String)> {
 fn run_bench(root: &Path, package: &str, bench: &str, quick: bool) -> Result<(), Failure> {
     println!("{package}: {bench}");
     let mut command = cargo(root);
-    command.args(["bench", "--package", package, "--bench", bench, "--"]);
+    // With the features of the whole workspace, so that all benchmarks share one build of the dependencies.
+    command.args(["bench", "--workspace", "--bench", bench, "--"]);
     if quick {
         command.arg("--quick");
     }
