@@ -9,12 +9,19 @@
 //! `kinds [COUNT [REPEATS [NAME [SET]]]]`: queries per set (default 500), runs per query (default 7), kinds whose name
 //! contains NAME, and of these the set SET alone (`on`, `near`, …), with its slowest query.
 
+mod random;
+mod samples;
+mod shapes;
+
 use footpoint::{CurveProjector, Status, SurfaceProjector};
 use nalgebra::{SVector, Vector2, Vector3};
 use nurbs_core::{
-    BsplineCurve, BsplineSurface, Circle, Cylinder, Frame, Interval, KnotVector, ParametricCurve,
-    ParametricSurface, Sphere, Torus,
+    BsplineCurve, BsplineSurface, Circle, Cylinder, Frame, Interval, ParametricCurve, ParametricSurface,
+    Sphere, Torus,
 };
+use random::Random;
+use samples::{dense, diagonal, refined, with_ends};
+use shapes::{cubic, fan, helix, paper, wavy};
 use std::error::Error;
 use std::time::Instant;
 
@@ -24,38 +31,6 @@ type Outcome<T> = Result<T, Box<dyn Error>>;
 
 /// Shares of the diagonal by which queries are moved away from singular places.
 const OFFSETS: [f64; 8] = [0.0, 1e-12, 1e-9, 1e-7, 1e-5, 1e-4, 1e-3, 1e-2];
-
-/// A small generator of pseudo-random numbers (a linear congruence, high bits).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        self.0
-    }
-
-    fn unit(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-
-    fn direction<const D: usize>(&mut self) -> SVector<f64, D> {
-        loop {
-            let v = SVector::<f64, D>::from_fn(|_, _| self.between(-1.0, 1.0));
-            if (0.1..1.0).contains(&v.norm()) {
-                return v.normalize();
-            }
-        }
-    }
-
-    fn pick<T: Clone>(&mut self, items: &[T]) -> T {
-        let index = usize::try_from(self.next() >> 33).unwrap_or(0) % items.len();
-        items[index].clone()
-    }
-}
 
 /// What one answer looks like to the judge.
 struct Answer {
@@ -140,61 +115,6 @@ fn jet_seconds(surface: &BsplineSurface) -> f64 {
         best = best.min(start.elapsed().as_secs_f64());
     }
     best / places.len() as f64
-}
-
-/// Example 2 of [HW05].
-fn cubic() -> Outcome<BsplineCurve<2>> {
-    let points = [[100., 100.], [140., 196.], [200., 240.], [260., 164.], [340., 164.], [400., 240.]];
-    let points = points.into_iter().chain([[460., 196.], [500., 100.]]).map(Vector2::from).collect();
-    Ok(BsplineCurve::new(KnotVector::uniform_clamped(3, 8)?, points, None)?)
-}
-
-fn helix() -> Outcome<BsplineCurve<3>> {
-    let point = |k: i32| {
-        let angle = 0.6 * f64::from(k);
-        Vector3::new(2.0 * angle.cos(), 2.0 * angle.sin(), 0.15 * f64::from(k))
-    };
-    Ok(BsplineCurve::new(KnotVector::uniform_clamped(3, 40)?, (0..40).map(point).collect(), None)?)
-}
-
-/// A bicubic surface over a grid of control points.
-fn grid(n: [i32; 2], point: impl Fn(i32, i32) -> Vector3<f64>) -> Outcome<BsplineSurface> {
-    let points = (0..n[0]).flat_map(|i| (0..n[1]).map(move |j| (i, j))).map(|(i, j)| point(i, j)).collect();
-    let knots = |n: i32| KnotVector::uniform_clamped(3, usize::try_from(n).unwrap_or(4));
-    Ok(BsplineSurface::new(knots(n[0])?, knots(n[1])?, points, None)?)
-}
-
-/// A bicubic surface of the size and liveliness of Example 3 of [HW05].
-fn paper() -> Outcome<BsplineSurface> {
-    let heights = [
-        [-22., -22., 8., -22.],
-        [8., 38., 126., 8.],
-        [8., -146., -60., 8.],
-        [-22., -33., 95., 8.],
-        [8., 147., 105., 8.],
-        [8., 63., 154., 8.],
-        [-22., 8., 8., -22.],
-    ];
-    grid([7, 4], |i, j| {
-        let height = heights[usize::try_from(i).unwrap_or(0)][usize::try_from(j).unwrap_or(0)];
-        Vector3::new(-240.0 + 80.0 * f64::from(i), -190.0 + 95.0 * f64::from(j), height)
-    })
-}
-
-fn wavy() -> Outcome<BsplineSurface> {
-    grid([50, 50], |i, j| {
-        let (x, y) = (f64::from(i), f64::from(j));
-        Vector3::new(x, y, 2.0 * (0.5 * x).sin() * (0.4 * y).cos() + 0.7 * (1.1 * x + 0.3 * y).sin())
-    })
-}
-
-/// A fan over a full turn less a bit, whose edge `v = 0` is one point.
-fn fan() -> Outcome<BsplineSurface> {
-    grid([8, 8], |i, j| {
-        let (angle, radius) = (0.75 * f64::from(i), f64::from(j));
-        let height = if j == 0 { 2.0 } else { 2.0 + 0.9 * (1.3 * radius + 0.8 * f64::from(i)).sin() };
-        Vector3::new(1.5 * radius * angle.cos(), 1.5 * radius * angle.sin(), height)
-    })
 }
 
 struct Run {
@@ -436,70 +356,3 @@ impl Run {
 }
 
 const SETS: [&str; 6] = ["on", "near", "mid", "far", "beyond", "singular"];
-
-fn diagonal<const D: usize>(points: &[SVector<f64, D>]) -> f64 {
-    let low = points.iter().fold(points[0], |a, p| a.inf(p));
-    let high = points.iter().fold(points[0], |a, p| a.sup(p));
-    (high - low).norm()
-}
-
-/// Break points and the ends of the domain.
-fn with_ends(mut breaks: Vec<f64>, domain: &Interval) -> Vec<f64> {
-    breaks.insert(0, domain.start());
-    breaks.push(domain.end());
-    breaks
-}
-
-/// Parameters that divide every span into `n` parts.
-fn dense(breaks: &[f64], n: usize) -> Vec<f64> {
-    let part =
-        |w: &[f64]| -> Vec<f64> { (0..n).map(|k| w[0] + (w[1] - w[0]) * k as f64 / n as f64).collect() };
-    breaks.windows(2).flat_map(part).chain(breaks.last().copied()).collect()
-}
-
-/// Distance from the best of a pattern search that begins at each of the nearest samples.
-fn refined<const D: usize>(
-    points: &[SVector<f64, D>],
-    samples: &[Vec<f64>; 2],
-    x: &SVector<f64, D>,
-    point: &dyn Fn([f64; 2]) -> SVector<f64, D>,
-) -> f64 {
-    let columns = samples[1].len();
-    let mut order: Vec<(f64, usize)> = points.iter().map(|p| (p - x).norm_squared()).zip(0..).collect();
-    let kept = 60.min(order.len());
-    order.select_nth_unstable_by(kept - 1, |a, b| a.0.total_cmp(&b.0));
-    order.truncate(kept);
-    order.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut seeds: Vec<[usize; 2]> = Vec::new();
-    for (_, k) in order {
-        let at = [k / columns, k % columns];
-        if !seeds.iter().any(|s| (0..2).all(|d| s[d].abs_diff(at[d]) <= 2)) {
-            seeds.push(at);
-        }
-    }
-    let domain = [0, 1].map(|d| [samples[d][0], samples[d][samples[d].len() - 1]]);
-    let mut least = f64::INFINITY;
-    for seed in seeds.into_iter().take(5) {
-        let mut centre = [0, 1].map(|d| samples[d][seed[d]]);
-        let mut best = (point(centre) - x).norm();
-        let mut step = [0, 1].map(|d| (domain[d][1] - domain[d][0]) / samples[d].len() as f64);
-        for _ in 0..44 {
-            for _ in 0..20 {
-                let mut moved = None;
-                for (i, j) in [(-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (-1, 1), (1, -1), (1, 1)] {
-                    let to = [centre[0] + f64::from(i) * step[0], centre[1] + f64::from(j) * step[1]];
-                    let to = [0, 1].map(|d| to[d].clamp(domain[d][0], domain[d][1]));
-                    let found = (point(to) - x).norm();
-                    if found < best {
-                        (best, moved) = (found, Some(to));
-                    }
-                }
-                let Some(to) = moved else { break };
-                centre = to;
-            }
-            step = step.map(|s| 0.5 * s);
-        }
-        least = least.min(best);
-    }
-    least
-}
