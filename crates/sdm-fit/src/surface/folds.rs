@@ -99,7 +99,9 @@ impl<'a> Corners<'a> {
             reversed.then_some(normal)
         };
         (0..2).any(|direction| {
-            let side = |sign: isize| (1..=PLEAT as isize).find_map(|k| beside(direction, sign * k));
+            // Of few cells a quarter at most: further off the normal of a closed surface is reversed on both sides anyway.
+            let most = PLEAT.min(self.cells[direction].saturating_sub(1) / 4).max(1) as isize;
+            let side = |sign: isize| (1..=most).find_map(|k| beside(direction, sign * k));
             side(-1).zip(side(1)).is_some_and(|(before, after)| before.dot(&after) > 0.0)
         })
     }
