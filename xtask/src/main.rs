@@ -3,6 +3,7 @@
 //! One file per command, listed in [`COMMANDS`]; arguments are read by hand so that this crate builds quickly and pulls in nothing.
 
 mod bench;
+mod compare;
 mod convergence;
 mod examples;
 mod generated;
@@ -38,6 +39,12 @@ const COMMANDS: &[Command] = &[
         run: measure::run,
     },
     Command {
+        name: "compare",
+        arguments: "",
+        about: "fit the clouds of fixtures/fit-cases by FITPACK (scipy, to be installed) and by ours, with equal numbers of control points",
+        run: compare::run,
+    },
+    Command {
         name: "tidy",
         arguments: "",
         about: "check what the compiler does not: dependency direction, file length, citations, snapshots, fixtures",
@@ -52,7 +59,7 @@ const COMMANDS: &[Command] = &[
     Command {
         name: "paper-figures",
         arguments: "",
-        about: "draw the figures of the parameterisation paper from clouds of our own into docs/figures",
+        about: "draw the figures of the papers on parameters and fitting from data of our own into docs/figures",
         run: paper_figures::run,
     },
     Command {

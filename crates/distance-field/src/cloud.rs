@@ -140,11 +140,32 @@ fn spacing(near: &[Neighbour]) -> f64 {
 /// Whether the neighbours leave a large angle of the tangent plane free.
 fn is_border(points: &[Point3<f64>], i: usize, near: &[Neighbour], frame: &CurvatureFrame) -> bool {
     let [x, y] = frame.directions;
-    let others = near.iter().filter(|n| n.distance_sq > 0.0);
-    let mut around: Vec<(f64, Vector2<f64>)> = (others.map(|n| points[n.index] - points[i]))
-        .map(|d| Vector2::new(d.dot(&x), d.dot(&y)))
-        .map(|d| (turn(&d), d))
-        .collect();
+    let around = || {
+        let others = near.iter().filter(|n| n.distance_sq > 0.0);
+        others.map(|n| points[n.index] - points[i]).map(|d| Vector2::new(d.dot(&x), d.dot(&y)))
+    };
+    !surrounds(around()) && has_gap(around().map(|d| (turn(&d), d)).collect())
+}
+
+/// Whether vectors are so close to each other in direction that there is surely no gap; this takes no sorting.
+fn surrounds(around: impl Iterator<Item = Vector2<f64>>) -> bool {
+    let taken = around.fold(0u16, |taken, d| taken | 1 << sector(turn(&d)));
+    // Five sectors one after the other take less than 2.04: if no four of them are empty, no gap is as wide as that of a border.
+    (1..4).fold(taken, |filled, by| filled | taken.rotate_left(by)) == u16::MAX
+}
+
+/// One of 16 sectors of the plane, four per quadrant, by [`turn`].
+fn sector(turn: f64) -> u32 {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "the sector is the integer part of a number from 0 to 16"
+    )]
+    (((turn + 2.0) * 4.0) as u32).min(15)
+}
+
+/// Whether vectors, with their [`turn`], leave an angle of [`BORDER_GAP`] free.
+fn has_gap(mut around: Vec<(f64, Vector2<f64>)>) -> bool {
     around.sort_by(|one, other| one.0.total_cmp(&other.0));
     let (Some(first), Some(last)) = (around.first(), around.last()) else { return true };
     let widest = BORDER_GAP.cos();
@@ -209,5 +230,41 @@ impl DistanceField<3> for CloudField {
 
     fn bounding_box(&self) -> Aabb<3> {
         self.bounds
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sectors_and_sorted_angles_agree_on_gaps() {
+        // Directions with a gap of known width after the last one, at every place of the circle.
+        let (mut quick, mut sorted) = (0, 0);
+        for step in 0..720u16 {
+            let width = 0.51 + 3.0 * f64::from(step % 90) / 90.0;
+            let first = f64::from(step) * 0.174_53;
+            let covered = std::f64::consts::TAU - width;
+            let around: Vec<Vector2<f64>> = (0..15u8)
+                .map(|i| first + covered * f64::from(i) / 14.0)
+                .map(|angle| Vector2::new(angle.cos(), angle.sin()) * (1.0 + angle.fract()))
+                .collect();
+            let gap = has_gap(around.iter().map(|d| (turn(d), *d)).collect());
+            assert_eq!(gap, width > BORDER_GAP, "{width}");
+            if surrounds(around.into_iter()) {
+                assert!(!gap, "{width}");
+                quick += 1;
+            } else {
+                sorted += 1;
+            }
+        }
+        assert!(quick > 200 && sorted > 200, "{quick} {sorted}");
+    }
+
+    #[test]
+    fn one_neighbour_or_none_leaves_a_gap() {
+        assert!(!surrounds(std::iter::empty()) && has_gap(Vec::new()));
+        let one = Vector2::new(1.0, 0.0);
+        assert!(!surrounds(std::iter::once(one)) && has_gap(vec![(turn(&one), one)]));
     }
 }

@@ -3,7 +3,8 @@
 //! Prints per kind and set of queries: wrong answers, microseconds per query (mean, 99.9 %, slowest; of each query the
 //! fastest of several runs, one thread), the largest excess over the true distance and the largest certified gap
 //! (both as a share of the distance), and the answers without convergence. The true distance comes from closed
-//! forms, or from dense samples that are refined by a pattern search.
+//! forms, or from dense samples that are refined by a pattern search. `jets` is the mean as a multiple of one evaluation of
+//! point and derivatives of a bicubic surface in the same run, which is what other machines can be compared by.
 //!
 //! `kinds [COUNT [REPEATS [NAME [SET]]]]`: queries per set (default 500), runs per query (default 7), kinds whose name
 //! contains NAME, and of these the set SET alone (`on`, `near`, …), with its slowest query.
@@ -71,10 +72,11 @@ fn main() -> Outcome<()> {
     let count = argument(1).map_or(Ok(500), |a| a.parse())?;
     let repeats = argument(2).map_or(Ok(7), |a| a.parse())?;
     let only = argument(3).unwrap_or_default();
-    let run = Run { count, repeats, set: argument(4) };
+    let run = Run { count, repeats, set: argument(4), jet: jet_seconds(&wavy()?) };
+    println!("one jet of a bicubic surface: {:.0} ns", run.jet * 1e9);
     println!(
-        "{:20} {:>6} {:>5} {:>8} {:>8} {:>8} {:>9} {:>9} {:>7}",
-        "set", "points", "wrong", "mean", "99.9 %", "slowest", "excess", "gap", "stalled"
+        "{:20} {:>6} {:>5} {:>8} {:>6} {:>8} {:>8} {:>9} {:>9} {:>7}",
+        "set", "points", "wrong", "mean", "jets", "99.9 %", "slowest", "excess", "gap", "stalled"
     );
     let circle = Circle::new(Vector2::new(1.0, 2.0), 3.0)?;
     let sphere = Sphere::new(Frame::WORLD, 2.0)?;
@@ -122,6 +124,22 @@ fn main() -> Outcome<()> {
         run.surface("s_fan", &fan()?, None, &places)?;
     }
     Ok(())
+}
+
+/// Seconds for one jet, the fastest of many runs over places all over the domain.
+fn jet_seconds(surface: &BsplineSurface) -> f64 {
+    let [u, v] = surface.domain();
+    let mut random = Random(1);
+    let places: Vec<_> = (0..1000).map(|_| [u.lerp(random.unit()), v.lerp(random.unit())]).collect();
+    let mut best = f64::INFINITY;
+    for _ in 0..100 {
+        let start = Instant::now();
+        for &[u, v] in &places {
+            std::hint::black_box(surface.jet(u, v));
+        }
+        best = best.min(start.elapsed().as_secs_f64());
+    }
+    best / places.len() as f64
 }
 
 /// Example 2 of [HW05].
@@ -184,6 +202,8 @@ struct Run {
     repeats: usize,
     /// The set that is run, all if none.
     set: Option<String>,
+    /// Seconds for one jet.
+    jet: f64,
 }
 
 impl Run {
@@ -398,9 +418,10 @@ impl Run {
         seconds.sort_by(f64::total_cmp);
         let high = seconds[(seconds.len() - 1) * 999 / 1000];
         println!(
-            "{name:20} {:6} {wrong:5} {:8.2} {:8.1} {:8.1} {excess:9.1e} {gap:9.1e} {stalled:7}",
+            "{name:20} {:6} {wrong:5} {:8.2} {:6.1} {:8.1} {:8.1} {excess:9.1e} {gap:9.1e} {stalled:7}",
             queries.len(),
             mean * 1e6,
+            mean / self.jet,
             high * 1e6,
             at * 1e6,
         );

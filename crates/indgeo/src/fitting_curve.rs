@@ -108,7 +108,7 @@ fn solve<const D: usize>(
     report: &mut Report,
 ) -> Result<bool, Error>
 where
-    Model: From<BsplineCurve<D>>,
+    BsplineCurve<D>: Into<Shape>,
 {
     let progress = Progress::new("fitting", job.quiet);
     let tell = |_: &StepRecord| progress.tick();
@@ -142,7 +142,7 @@ fn write<const D: usize>(
     report: &mut Report,
 ) -> Result<(), Error>
 where
-    Model: From<BsplineCurve<D>>,
+    BsplineCurve<D>: Into<Shape>,
 {
     if let Some(path) = job.out {
         let content = format!("B-spline curve with {} control points", found.report.controls);
@@ -154,7 +154,14 @@ where
     if let Some(path) = job.history {
         put(path, &history(&found.report.history), "history", report)?;
     }
-    if let Some(path) = job.evolution {
+    if let Some(path) = job.evolution.filter(|path| files::extension(path) == "json") {
+        let mut model = Model::default();
+        for (k, curve) in found.evolution.iter().enumerate() {
+            model.push(curve.clone(), Some(format!("step {k}")));
+        }
+        model.push(found.curve.clone(), Some("result".to_owned()));
+        put_model(path, model, format!("{} curves", found.evolution.len() + 1), report)?;
+    } else if let Some(path) = job.evolution {
         put(path, &evolution::drawing(points, &found.evolution, &found.curve), "drawing", report)?;
     }
     Ok(())

@@ -26,7 +26,7 @@ const COMPARED: usize = 4000;
 /// Candidates of a search over all positions from which the registration is run.
 const CANDIDATES: usize = 3;
 
-/// Where the registration starts.
+/// Where the registration of a scan, or of many views, starts.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Start<'a> {
     /// Where the points are.
@@ -35,7 +35,7 @@ pub(crate) enum Start<'a> {
     Auto,
     /// The best of a search over all positions.
     Global,
-    /// The poses of a file.
+    /// The poses of a file: starts to be tried, or one per view.
     Poses(&'a Path),
 }
 

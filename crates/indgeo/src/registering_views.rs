@@ -5,6 +5,7 @@ use crate::files;
 use crate::moving::moved;
 use crate::poses;
 use crate::progress::Progress;
+use crate::registering::Start;
 use crate::report::{Input, Output, Report, Results, Timings};
 use crate::staging::Staging;
 use crate::views_report::ViewsResults;
@@ -23,19 +24,6 @@ pub(crate) const POSES: &str = "poses.json";
 const GOOD_RMS: f64 = 0.002;
 /// Distance, as a share of the size of a view, within which matched points speak for a result.
 const NEAR: f64 = 0.012;
-
-/// Where the registration starts.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Start<'a> {
-    /// Where the views are.
-    Given,
-    /// Where the views are, and a search over all positions if that is not good.
-    Auto,
-    /// A search over all positions.
-    Global,
-    /// The poses of a file, one per view.
-    Poses(&'a Path),
-}
 
 /// What is to be done.
 #[derive(Debug)]

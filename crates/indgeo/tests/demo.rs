@@ -67,6 +67,9 @@ fn the_displaced_scan_is_registered_and_judged() {
     // The thread and the shank let the scan slide along one helix.
     assert_eq!(found["free_motions"].as_array().unwrap().len(), 1);
     assert!(found["free_motions"][0].as_str().unwrap().contains("helical"));
+    // It is not carried along it: the thread fits as well a turn further.
+    let apart = run.stdout.split("It lies ").nth(1).and_then(|rest| rest.split(" mm").next()).unwrap();
+    assert!(apart.parse::<f64>().unwrap() < 0.5, "{apart}");
     assert!(found["rms"].as_f64().unwrap() < 0.09 && found["points_used"].as_u64().unwrap() > 5000);
     assert_eq!(found["matrix"], json("pose.json")["matrix"]);
     assert_eq!(inspection["options"]["transform"], found["matrix"]);

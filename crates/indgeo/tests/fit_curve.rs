@@ -84,6 +84,49 @@ fn space_curves_in_any_order_and_starts_from_a_file() {
 }
 
 #[test]
+fn a_start_far_away_is_searched_for_and_its_growth_kept() {
+    let bench = Bench::new();
+    bench.put("points.xyz", ellipse(300));
+    let at = |k: usize| format!("[{},{}]", 9.0 + 0.2 * (k as f64).cos(), 7.0 + 0.2 * (k as f64).sin());
+    let net: Vec<String> = (0..15).map(|k| at(k % 12)).collect();
+    let knots: Vec<String> = (0..19).map(|k| k.to_string()).collect();
+    let (knots, net) = (knots.join(","), net.join(","));
+    bench.put(
+        "far.json",
+        format!(r#"{{"kind":"curve","dim":2,"degree":3,"periodic":true,"knots":[{knots}],"control_points":[{net}]}}"#),
+    );
+    let run =
+        bench.run("fit-curve points.xyz --init far.json --search -o c.json --evolution growth.json --json -");
+    assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+    let results = &run.report()["results"];
+    assert!(results["start"] == "contour" && results["rms"].as_f64().unwrap() < 5e-3, "{results}");
+    // All curves on the way, which other commands read.
+    let shapes = json(&bench, "growth.json")["shapes"].as_array().unwrap().len();
+    assert!(shapes > 9, "{shapes}");
+    assert_eq!(bench.run("info growth.json").code, 0);
+    // What encloses nothing, or does not close, cannot be searched.
+    bench.put(
+        "arc.xyz",
+        (0..60).map(|k| f64::from(k) / 60.0).map(|t| format!("{t} {}\n", t * t)).collect::<String>(),
+    );
+    bench.put(
+        "helix.xyz",
+        (0..60)
+            .map(|k| f64::from(k) / 9.0)
+            .map(|t| format!("{} {} {t}\n", t.cos(), t.sin()))
+            .collect::<String>(),
+    );
+    for (command, message) in [
+        ("fit-curve arc.xyz --search -o c.json", "enclose nothing"),
+        ("fit-curve helix.xyz --search -o c.json", "curves in space"),
+        ("fit-curve points.xyz --search --open -o c.json", "--open"),
+    ] {
+        let run = bench.run(command);
+        assert!(run.code == 2 && run.stderr.contains(message), "{command}: {}", run.stderr);
+    }
+}
+
+#[test]
 fn what_is_not_reached_is_said() {
     let bench = Bench::new();
     let cases = fixture("fit-cases");

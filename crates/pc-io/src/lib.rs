@@ -59,6 +59,7 @@ pub use error::{Error, Location, Place};
 pub use format::Format;
 pub use mesh_core;
 pub use model::{Model, Shape};
+pub use number::write_number;
 pub use nurbs_core;
 pub(crate) use read::not_points;
 pub use read::{read, read_bytes, read_cloud, read_from, read_mesh, read_model};

@@ -119,8 +119,12 @@ pub(crate) fn starts_with_number(text: &[u8]) -> bool {
     lex(text).is_some()
 }
 
-/// Writes the shortest text that reads back as the same double; `nan`, `inf`, `-inf` for the others.
-pub(crate) fn write(out: &mut dyn Write, value: f64) -> io::Result<()> {
+/// Writes the shortest text that reads back as the same double, with an exponent where it would grow long; `nan`, `inf`,
+/// `-inf` for the others.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_number(out: &mut dyn Write, value: f64) -> io::Result<()> {
     let size = value.abs();
     if value.is_nan() {
         out.write_all(b"nan")
@@ -180,7 +184,7 @@ mod tests {
         #[test]
         fn round_trips_every_bit(value in prop::num::f64::ANY) {
             let mut text = Vec::new();
-            write(&mut text, value).unwrap();
+            write_number(&mut text, value).unwrap();
             let read = parse(&text).unwrap();
             prop_assert!(read.to_bits() == value.to_bits() || read.is_nan() && value.is_nan());
         }

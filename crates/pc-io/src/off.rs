@@ -6,11 +6,11 @@ use mesh_core::{Attributes, PointCloud};
 use nalgebra::{Point3, Vector3};
 
 use crate::columns::{Column, Kind, colours};
-use crate::number;
 use crate::parsed::{Fans, Parsed};
 use crate::shape::{Keeps, Shape};
 use crate::source::{Lines, Source, is_blank, quoted, words};
 use crate::{Error, Format, Place};
+use crate::{number, write_number};
 
 const EXPORT: &str = "correct the line or export the file again";
 
@@ -221,7 +221,7 @@ pub(crate) fn write(out: &mut dyn Write, shape: Shape<'_>, warnings: &mut Vec<St
         let numbers = point.iter().chain(normal.iter().flat_map(|normal| normal.iter()));
         for (place, &value) in numbers.enumerate() {
             out.write_all(if place == 0 { b"" } else { b" " })?;
-            number::write(out, value)?;
+            write_number(out, value)?;
         }
         if let Some((colours, rgba)) =
             shape.colours().and_then(|colours| Some((colours, colours.rgba(index)?)))

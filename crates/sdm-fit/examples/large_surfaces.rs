@@ -9,13 +9,14 @@
 //! and the distances. The CPU time counts the same whatever else the machine does, but for the caches; both it and the memory
 //! come from `/proc` (Linux).
 
+mod cases;
+
+use cases::{cpu, step_line};
 use nalgebra::Vector3;
 use sdm_fit::{NetSize, SurfaceOptions, fit_cloud};
 use std::f64::consts::TAU;
 use std::time::Instant;
 
-/// Ticks of the clock in `/proc` per second.
-const TICKS: f64 = 100.0;
 /// Standard deviation of the noise.
 const NOISE: f64 = 0.002;
 
@@ -46,16 +47,7 @@ fn fit(
     println!("    {} (noise {NOISE})", found.report);
     println!("    {seconds:.2} s by the clock, {used:.2} s of CPU, goal {goal} s; {:.2} GB", peak());
     for step in &found.report.fit.history {
-        println!(
-            "    {:3} λ {:.1e} rms {:.6} cost {:.4e} moved {:.1e} factor {:.3} feet found {}",
-            step.iteration,
-            step.lambda,
-            step.rms,
-            step.cost,
-            step.displacement,
-            step.factor,
-            step.evaluations
-        );
+        println!("{}", step_line(step));
     }
     Ok(())
 }
@@ -95,15 +87,6 @@ impl Noise {
     fn normal(&mut self) -> f64 {
         (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
     }
-}
-
-/// CPU seconds of the process so far; NaN where there is no `/proc`.
-fn cpu() -> f64 {
-    let text = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
-    // The name of the program, in parentheses, may hold blanks; user and system time are the 12th and 13th number after it.
-    let numbers = text.rsplit(')').next().unwrap_or_default().split_whitespace().skip(11).take(2);
-    let ticks: Vec<f64> = numbers.filter_map(|number| number.parse().ok()).collect();
-    if ticks.len() == 2 { (ticks[0] + ticks[1]) / TICKS } else { f64::NAN }
 }
 
 /// Largest resident memory of the process so far in GB; NaN where there is no `/proc`.

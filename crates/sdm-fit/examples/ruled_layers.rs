@@ -5,6 +5,8 @@
 //! The cloud is a tube like the trunk of a body, open at both ends. A closed B-spline surface is fitted to it and taken as the
 //! model; sections lie in parallel planes across its axis. Prints distances of the sensor points of each approximation.
 
+mod cases;
+
 use distance_field::{OffsetField, SurfaceField};
 use nalgebra::Vector3;
 use nurbs_core::{BsplineSurface, Interval, KnotVector, ParametricSurface};
@@ -13,7 +15,7 @@ use sdm_fit::{BaseShape, NetSize, SurfaceOptions, Target, fit_cloud};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let points = read(arguments.first().ok_or("name a file of points")?)?;
+    let points = cases::points::<3>(arguments.first().ok_or("name a file of points")?)?;
     let size = NetSize { controls: [20, 14], ..NetSize::default() };
     let options = SurfaceOptions::default().with_base(BaseShape::Cylinder).with_size(size);
     let fitted = fit_cloud(&points, &options)?;
@@ -80,15 +82,4 @@ fn around(
         }
     }
     BsplineSurface::new(knots_u, knots_v, net, None)
-}
-
-fn read(path: &str) -> Result<Vec<Vector3<f64>>, Box<dyn std::error::Error>> {
-    let mut points = Vec::new();
-    for line in std::fs::read_to_string(path)?.lines() {
-        let numbers: Result<Vec<f64>, _> = line.split_whitespace().take(3).map(str::parse).collect();
-        if let [x, y, z] = numbers?[..] {
-            points.push(Vector3::new(x, y, z));
-        }
-    }
-    Ok(points)
 }

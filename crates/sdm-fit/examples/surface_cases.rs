@@ -4,8 +4,9 @@
 //!
 //! With `quick`, squared distance minimisation only.
 
+mod cases;
+
 use distance_field::ErrorTerm;
-use nalgebra::Vector3;
 use sdm_fit::{BaseShape, NetSize, Smoothing, SurfaceOptions, fit_surface, initial_surface};
 use std::time::Instant;
 
@@ -14,7 +15,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let path = arguments.first().ok_or("name a file of points")?;
     let number = |k: usize, default: usize| arguments.get(k).and_then(|a| a.parse().ok()).unwrap_or(default);
     let (controls, iterations) = ([number(1, 30), number(2, 30)], number(3, 20));
-    let points = read(path)?;
+    let points = cases::points::<3>(path)?;
     println!("{path}: {} points, {controls:?} control points", points.len());
     let clock = Instant::now();
     let size = NetSize { controls, ..NetSize::default() };
@@ -38,29 +39,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 seconds / steps
             );
             for step in found.report.fit.history.iter().filter(|s| s.iteration <= 3 || s.iteration % 5 == 0) {
-                println!(
-                    "    {:3} λ {:.1e} rms {:.5} max {:.4} moved {:.1e} factor {:.3} feet found {}",
-                    step.iteration,
-                    step.lambda,
-                    step.rms,
-                    step.max,
-                    step.displacement,
-                    step.factor,
-                    step.evaluations
-                );
+                println!("{}", cases::step_line(step));
             }
         }
     }
     Ok(())
-}
-
-fn read(path: &str) -> Result<Vec<Vector3<f64>>, Box<dyn std::error::Error>> {
-    let mut points = Vec::new();
-    for line in std::fs::read_to_string(path)?.lines() {
-        let numbers: Result<Vec<f64>, _> = line.split_whitespace().take(3).map(str::parse).collect();
-        if let [x, y, z] = numbers?[..] {
-            points.push(Vector3::new(x, y, z));
-        }
-    }
-    Ok(points)
 }

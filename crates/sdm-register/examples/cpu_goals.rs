@@ -1,8 +1,10 @@
 //! Measures the time of registrations against the goals of the project.
 //!
 //! ```sh
-//! RAYON_NUM_THREADS=1 cargo run --release -p sdm-register --features serde --example cpu_goals
+//! RAYON_NUM_THREADS=1 cargo run --release -p sdm-register --features serde --example cpu_goals [-- clouds]
 //! ```
+//! An argument chooses the cases whose names contain it.
+//!
 //! Prints CPU seconds of all (field and registration), of the registration alone, and the ratio of the whole to the goal: below 1
 //! it is reached. CPU time is that of all threads of the process, from `/proc` (Linux), in steps of 10 ms; it counts the same
 //! whatever else the machine does, but for the caches.
@@ -35,16 +37,20 @@ fn cpu() -> f64 {
 }
 
 type Outcome = Result<(), Box<dyn Error>>;
+/// Runs and prints what is called so.
+type Case<'a> = &'a dyn Fn(&str) -> Outcome;
 
 fn main() -> Outcome {
     println!("{:44} {:>8} {:>8} {:>8} {:>6}  result", "case", "seconds", "register", "goal", "ratio");
-    surface("100,000 points, exact surface, noise 1e-3", 100_000, 2.2e-3, 0.77)?;
-    surface("1,000,000 points, exact surface, noise 1e-3", 1_000_000, 2.2e-3, 6.0)?;
-    clouds("two clouds of 40,000 points", 40_000, 0.24)?;
-    for count in [2000, 5000] {
-        views(&format!("six views of {count} points"), count, 1.0)?;
-    }
-    Ok(())
+    let chosen = std::env::args().nth(1).unwrap_or_default();
+    let cases: [(&str, Case<'_>); 5] = [
+        ("100,000 points, exact surface, noise 1e-3", &|name| surface(name, 100_000, 2.2e-3, 0.77)),
+        ("1,000,000 points, exact surface, noise 1e-3", &|name| surface(name, 1_000_000, 2.2e-3, 6.0)),
+        ("two clouds of 40,000 points", &|name| clouds(name, 40_000, 0.24)),
+        ("six views of 2000 points", &|name| views(name, 2000, 1.0)),
+        ("six views of 5000 points", &|name| views(name, 5000, 1.0)),
+    ];
+    cases.iter().filter(|(name, _)| name.contains(&chosen)).try_for_each(|(name, run)| run(name))
 }
 
 fn line(name: &str, all: f64, alone: f64, goal: f64, result: &str) {

@@ -169,7 +169,10 @@ impl<const D: usize> Chart<D> {
 
     /// The pose with the locked parts of its displacement set back to 0 (what rounding, and the curvature of the
     /// rotations with one axis locked, leave of them).
-    fn held(&self, pose: &Pose<D>) -> Pose<D> {
+    pub(crate) fn held(&self, pose: &Pose<D>) -> Pose<D> {
+        if !self.locks.any() {
+            return *pose;
+        }
         let (mut t, mut w) = self.displacement(pose);
         for i in 0..D {
             if self.locks.translations[i] {

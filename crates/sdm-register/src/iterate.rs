@@ -8,7 +8,9 @@ use crate::solve::{Scaled, Spectrum};
 use crate::source::Prepared;
 use crate::view::{Terms, View};
 use crate::weights::{Rejection, Rule, Weighting};
-use crate::{Covariance, FootpointPolicy, FreeMotion, Method, Pose, RegisterOptions, Status, StepControl};
+use crate::{
+    Covariance, FootpointPolicy, FreeMotion, Method, Pose, RegisterOptions, Status, StepControl, Velocity,
+};
 use distance_field::{DistanceField, Search};
 use nalgebra::{DMatrix, DVector};
 use std::ops::ControlFlow;
@@ -34,6 +36,8 @@ pub(crate) struct Stage<'a, const D: usize> {
     pub(crate) rejection: Rejection,
     /// Whether the points that are rejected at the beginning stay so, and no others: the cost then has no jumps.
     pub(crate) holds_rejection: bool,
+    /// Share of the largest eigenvalue up to which a motion is not made.
+    pub(crate) null_tolerance: f64,
     pub(crate) tolerance: f64,
     pub(crate) max_iterations: usize,
 }
@@ -79,6 +83,21 @@ struct Models<const D: usize> {
     newton: Option<(DMatrix<f64>, Spectrum)>,
 }
 
+/// What the tangent planes at the end of a stage fix.
+struct Conditioning<const D: usize> {
+    system: NormalSystem<D>,
+    freedom: Freedom<D>,
+    tangent: DMatrix<f64>,
+    scaled: Scaled,
+    length: f64,
+}
+
+impl<const D: usize> Conditioning<D> {
+    fn free_fields(&self) -> Vec<Velocity<D>> {
+        self.scaled.free_steps().iter().map(|step| self.freedom.velocity(step)).collect()
+    }
+}
+
 impl<const D: usize> Problem<'_, D> {
     pub(crate) fn view(&self, cloud: &Prepared<D>, pose: Pose<D>) -> View<D> {
         View::new(self.field, cloud, pose, Search::Global, None)
@@ -94,7 +113,7 @@ impl<const D: usize> Problem<'_, D> {
         let freedom = self.chart.freedom(&view.pose);
         let tangent = freedom.reduce(&system.tangent);
         let length = stage.cloud.diagonal * view.pose.scale * 0.5;
-        let scaled = Scaled::new(&tangent, &freedom.is_translation, length, self.options.null_tolerance);
+        let scaled = Scaled::new(&tangent, &freedom.is_translation, length, stage.null_tolerance);
         let vector = freedom.reduce_vector(&system.vector);
         let linear = scaled.spectrum(&(&tangent + freedom.reduce(&system.term)), &vector);
         let newton = terms.taylor.then(|| {
@@ -112,23 +131,33 @@ impl<const D: usize> Problem<'_, D> {
         cloud: &Prepared<D>,
         rms: f64,
     ) -> (Option<Covariance<D>>, Vec<FreeMotion<D>>) {
+        let Some(end) = self.conditioning(outcome, cloud) else { return (None, Vec::new()) };
+        let origin = outcome.view.pose.target_origin;
+        let named = FreeMotion::name_all(&end.free_fields(), &origin, end.length);
+        let squares = rms * rms * end.system.weight;
+        let Conditioning { system, freedom, tangent, scaled, .. } = &end;
+        let covariance =
+            Covariance::new(system, freedom, scaled, tangent, squares, self.options.scale, origin);
+        (Some(covariance), named)
+    }
+
+    /// The velocity fields of the motions that are not determined at the end of a stage.
+    pub(crate) fn free_fields(&self, outcome: &Outcome<D>, cloud: &Prepared<D>) -> Vec<Velocity<D>> {
+        self.conditioning(outcome, cloud).map_or_else(Vec::new, |end| end.free_fields())
+    }
+
+    fn conditioning(&self, outcome: &Outcome<D>, cloud: &Prepared<D>) -> Option<Conditioning<D>> {
         let terms = Terms { term: Method::TANGENT.term(), taylor: false, symmetric: false };
         let view = &outcome.view;
         let system = view.system(cloud, &outcome.base, &outcome.weighting, &terms);
         if system.count < fewest(D) || !view.pose.is_finite() {
-            return (None, Vec::new());
+            return None;
         }
         let freedom = self.chart.freedom(&view.pose);
         let tangent = freedom.reduce(&system.tangent);
         let length = cloud.diagonal * view.pose.scale * 0.5;
         let scaled = Scaled::new(&tangent, &freedom.is_translation, length, self.options.null_tolerance);
-        let fields: Vec<_> = scaled.free_steps().iter().map(|step| freedom.velocity(step)).collect();
-        let origin = view.pose.target_origin;
-        let named = FreeMotion::name_all(&fields, &origin, length);
-        let squares = rms * rms * system.weight;
-        let scale = self.options.scale;
-        let covariance = Covariance::new(&system, &freedom, &scaled, &tangent, squares, scale, origin);
-        (Some(covariance), named)
+        Some(Conditioning { system, freedom, tangent, scaled, length })
     }
 
     /// Runs one stage from a view of its cloud.

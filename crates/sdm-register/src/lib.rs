@@ -46,6 +46,7 @@ pub(crate) mod parallel;
 mod plan;
 mod register;
 mod report;
+mod slide_back;
 mod solve;
 mod source;
 pub mod start;

@@ -33,7 +33,8 @@ pub struct RegisterOptions<const D: usize> {
     /// Distances that count one after the other while outliers are told apart, as shares of the size of the cloud;
     /// default 0.3, 0.1, 0.03.
     pub limits: [f64; 3],
-    /// Share of the largest eigenvalue up to which a motion counts as not fixed by the shape; default 1e-9.
+    /// Share of the largest eigenvalue up to which a motion counts as not fixed by the shape; default 1e-8: points
+    /// that move by 1 leave the shape by less than 1e-4.
     pub null_tolerance: f64,
 }
 
@@ -52,7 +53,7 @@ impl<const D: usize> Default for RegisterOptions<D> {
             tolerance: 1e-13,
             coarse_points: 3000,
             limits: [0.3, 0.1, 0.03],
-            null_tolerance: 1e-9,
+            null_tolerance: 1e-8,
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::evidence::{CUT, Evidence, NOISE_FLOOR, Support};
 use crate::iterate::{History, Outcome, Problem, Stage};
+use crate::slide_back::slide_back;
 use crate::source::Prepared;
 use crate::view::View;
 use crate::weights::{Kernel, Outliers, Rule, Weighting};
@@ -15,15 +16,32 @@ const COARSE: f64 = 1e-4;
 const NARROWING: f64 = 3e-3;
 /// Steps for each limit.
 const NARROWING_STEPS: usize = 6;
+/// Share of the largest eigenvalue up to which a motion is not made after the cloud was moved back along the free ones.
+const HARDLY_FIXED: f64 = 1e-5;
+/// By what share the cloud may fit worse there, with fewer points.
+const NO_WORSE: f64 = 0.1;
 /// Most repetitions of the last stage with another set of inliers, and the share of the points up to which it is the same.
 const REPETITIONS: usize = 3;
 const SAME_SET: f64 = 2e-3;
+
+/// How a registration ends.
+#[derive(Clone, Copy, Debug)]
+enum Last {
+    /// With a rule for the weights of all points.
+    Fit(Rule),
+    /// With the inliers alone.
+    Cut,
+}
 
 /// The stages of one registration and what they did.
 pub(crate) struct Plan<'a, const D: usize> {
     problem: &'a Problem<'a, D>,
     cloud: &'a Prepared<D>,
     coarse: Cow<'a, Prepared<D>>,
+    /// Share of the largest eigenvalue up to which a motion is not made.
+    null_tolerance: f64,
+    /// The rule of the last stage.
+    last: Last,
     pub(crate) history: History,
     pub(crate) evaluations: usize,
 }
@@ -32,7 +50,9 @@ impl<'a, const D: usize> Plan<'a, D> {
     pub(crate) fn new(problem: &'a Problem<'a, D>, cloud: &'a Prepared<D>) -> Self {
         let step = cloud.points.len() / problem.options.coarse_points.max(1);
         let coarse = if step >= 2 { Cow::Owned(cloud.thinned(step)) } else { Cow::Borrowed(cloud) };
-        Self { problem, cloud, coarse, history: History::new(), evaluations: 0 }
+        let null_tolerance = problem.options.null_tolerance;
+        let last = Last::Fit(Rule::Fixed(Weighting::SQUARES));
+        Self { problem, cloud, coarse, null_tolerance, last, history: History::new(), evaluations: 0 }
     }
 
     /// The points of the stages that only have to come near.
@@ -52,11 +72,47 @@ impl<'a, const D: usize> Plan<'a, D> {
 
     /// All stages, from a view of the coarse points.
     pub(crate) fn run(&mut self, view: View<D>) -> Outcome<D> {
-        match self.problem.options.outliers {
+        let start = view.pose;
+        let outcome = match self.problem.options.outliers {
             Outliers::None => self.fit(view, Rule::Fixed(Weighting::SQUARES)),
             Outliers::Trimmed { overlap } => self.fit(view, Rule::Trimmed { overlap }),
             Outliers::Kernel { kernel, abs_scale } => self.kernel(view, kernel, abs_scale),
             Outliers::Automatic => self.automatic(view),
+        };
+        self.back_along_free_motions(outcome, &start)
+    }
+
+    /// Of the poses that the shape does not tell apart, the one nearest to the start.
+    ///
+    /// Before it is known which points count, and while the cloud is out of place, few points may fix a motion that the shape
+    /// leaves free in the end, and carry the cloud far along it.
+    fn back_along_free_motions(&mut self, outcome: Outcome<D>, start: &Pose<D>) -> Outcome<D> {
+        // An outcome on the coarse points alone was cancelled.
+        if !outcome.status.is_converged() || outcome.view.frames.len() != self.cloud.points.len() {
+            return outcome;
+        }
+        let fields = self.problem.free_fields(&outcome, self.cloud);
+        let Some(pose) = slide_back(&self.cloud.points, &outcome.view.pose, start, &fields) else {
+            return outcome;
+        };
+        let pose = self.problem.chart.held(&pose);
+        self.evaluations += 1;
+        let view = self.problem.view(self.cloud, pose);
+        // The motions that were undone are not made again.
+        let given = self.null_tolerance;
+        self.null_tolerance = given.max(HARDLY_FIXED);
+        let other = match self.last {
+            Last::Fit(rule) => self.go(&self.stage("fit", self.cloud, rule), view),
+            Last::Cut => self.cut(view),
+        };
+        self.null_tolerance = given;
+        let [(rms, used), (others, left)] = [&outcome, &other].map(|o| o.view.rms(&o.base, &o.weighting));
+        let as_good = others <= rms * (1.0 + NO_WORSE) && left as f64 >= used as f64 * (1.0 - NO_WORSE);
+        // A cancelled run ends where it was.
+        if other.status == Status::Cancelled || other.status.is_converged() && as_good {
+            other
+        } else {
+            outcome
         }
     }
 
@@ -70,6 +126,7 @@ impl<'a, const D: usize> Plan<'a, D> {
             rule,
             rejection: options.rejection,
             holds_rejection: false,
+            null_tolerance: self.null_tolerance,
             tolerance: options.tolerance,
             max_iterations: options.max_iterations,
         }
@@ -92,6 +149,7 @@ impl<'a, const D: usize> Plan<'a, D> {
 
     /// One rule for all: the coarse points, then all.
     fn fit(&mut self, view: View<D>, rule: Rule) -> Outcome<D> {
+        self.last = Last::Fit(rule);
         if !self.is_thinned() {
             return self.go(&self.stage("fit", self.cloud, rule), view);
         }
@@ -178,6 +236,7 @@ impl<'a, const D: usize> Plan<'a, D> {
         let scale = abs_scale.or_else(|| estimated.weighting(&mut view.distances(&base)).scale());
         let scale = scale.unwrap_or(limit);
         let rule = Rule::Fixed(Weighting::Kernel { kernel, scale });
+        self.last = Last::Fit(rule);
         self.go(&self.stage("fit", self.cloud, rule), view)
     }
 
@@ -218,6 +277,7 @@ impl<'a, const D: usize> Plan<'a, D> {
     /// beyond it have their feet. Which these are is held fast while the pose is improved, and judged again at the end, as
     /// is the noise.
     fn cut(&mut self, view: View<D>) -> Outcome<D> {
+        self.last = Last::Cut;
         let size = self.cloud.diagonal * view.pose.scale;
         let rejection = self.problem.options.rejection.with_boundary(true);
         let cloud = self.cloud;

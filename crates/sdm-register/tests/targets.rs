@@ -80,6 +80,8 @@ fn a_helical_surface_leaves_one_motion_open() {
     let field = SurfaceField::new(&surface).unwrap();
     let report = register(&field, &Source::new(&points), &start, &RegisterOptions::default()).unwrap();
     assert!(report.is_converged() && report.rms < 1e-6, "{report}");
+    let moved = |x: &Vector3<f64>| (report.pose.apply(x) - start.apply(x)).norm();
+    assert!(points.iter().map(moved).fold(0.0, f64::max) < 0.05, "carried along the helix: {report}");
     match report.free_motions.as_slice() {
         [FreeMotion::Helical { axis, point, pitch: found }] => {
             assert!((found * axis.z.signum() - pitch * axis.z.signum()).abs() < 1e-4, "{report}");

@@ -127,6 +127,24 @@ impl Panel<'_> {
         );
     }
 
+    /// A line of which nothing is seen outside the panel.
+    pub(super) fn clipped_line(&mut self, points: &[Vector2<f64>], closed: bool, width: f64, colour: &str) {
+        // Places far outside make numbers that some programs cannot draw.
+        let limit = 1e4 / self.scale;
+        let near: Vec<Vector2<f64>> = points.iter().map(|p| p.map(|c| c.clamp(-limit, limit))).collect();
+        let (left, top) = (self.left, TITLE);
+        let name = format!("clip-{}", self.drawing.text.len());
+        let right = self.drawing.x - MARGIN;
+        let _ = writeln!(
+            self.drawing.text,
+            r##"<clipPath id="{name}"><rect x="{left:.1}" y="{top}" width="{:.1}" height="{:.1}"/></clipPath><g clip-path="url(#{name})">"##,
+            right - left,
+            self.bottom - top
+        );
+        self.line(&near, closed, width, colour);
+        self.drawing.text.push_str("</g>\n");
+    }
+
     pub(super) fn label(&mut self, at: &Vector2<f64>, text: &str, colour: &str) {
         let (x, y) = self.at(at);
         let _ = writeln!(

@@ -1,6 +1,7 @@
-//! `cargo xtask paper-figures`: the figures of \[MPK\], of clouds of our own, as drawings in `docs/figures`.
+//! `cargo xtask paper-figures`: the figures of \[MPK\] and \[P05\], of data of our own, as drawings in `docs/figures`.
 
 mod drawing;
+mod fitting;
 mod surfaces;
 mod turntable;
 mod weights;
@@ -26,6 +27,11 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
             surfaces::steps("Lobed vase, 16,000 points with noise", &vase, [30, 30]).map_err(failed)?,
         ),
         ("bolt.svg", surfaces::steps("Stud bolt, scan of 8,565 points", &bolt, [30, 60]).map_err(failed)?),
+        ("fit-step.svg", fitting::step().map_err(failed)?),
+        ("fit-armijo.svg", fitting::armijo().map_err(failed)?),
+        ("fit-evolution.svg", fitting::evolution().map_err(failed)?),
+        ("fit-rectangle.svg", fitting::rectangle().map_err(failed)?),
+        ("fit-noisy.svg", fitting::noisy().map_err(failed)?),
         ("weights.svg", weights::one_projection(&vase).map_err(failed)?),
     ];
     let folder = workspace::root().join(FOLDER);

@@ -14,10 +14,10 @@ use nurbs_core::SurfaceJet;
 const LINES: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
 
 /// How often a walk changes sides.
-const ROUNDS: usize = 16;
+pub(super) const ROUNDS: usize = 16;
 
 /// Relative decrease of the squared distance for which a side is changed.
-const WORTH: f64 = 1e-14;
+pub(super) const WORTH: f64 = 1e-14;
 
 /// Where a walk ended.
 pub(crate) struct Walk {

@@ -3,14 +3,9 @@
 use super::dispatch::vectorized;
 use super::piece::PieceSet;
 use super::search_curve::CurveFoot;
+use super::sides::{ROUNDS, WORTH};
 use crate::projector::classify::ORTHOGONAL;
 use nalgebra::SVector;
-
-/// How often a walk changes sides.
-const ROUNDS: usize = 16;
-
-/// Relative decrease of the squared distance for which a side is changed.
-const WORTH: f64 = 1e-14;
 
 /// Where a walk ended.
 pub(crate) struct CurveWalk {

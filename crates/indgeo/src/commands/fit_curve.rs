@@ -45,6 +45,10 @@ pub(crate) struct Args {
     /// Start from the curve in FILE (NURBS JSON); its degree and knots stay
     #[arg(long, value_name = "CURVE.json")]
     init: Option<PathBuf>,
+    /// Search the whole plane for the outline first: the start, or a place inside the points, grows as a contour until it meets them; for
+    /// closed curves in the plane whose start is far away, or that wind
+    #[arg(long, conflicts_with = "open")]
+    search: bool,
     /// Weights are unknowns, too: circles and other conics become exact
     #[arg(long)]
     rational: bool,
@@ -54,8 +58,8 @@ pub(crate) struct Args {
     /// Write the history (CSV), one line per iteration: distance, energy factor, step, …
     #[arg(long, value_name = "FILE.csv")]
     report: Option<PathBuf>,
-    /// Draw the evolution of the curve (SVG; space curves as seen along z)
-    #[arg(long, value_name = "FILE.svg")]
+    /// The evolution of the curve: drawn (SVG; space curves as seen along z), or all curves on the way as NURBS (JSON)
+    #[arg(long, value_name = "FILE")]
     evolution: Option<PathBuf>,
     #[command(flatten)]
     iteration: LoopArgs,
@@ -73,6 +77,7 @@ Examples:
   indgeo fit-curve section.xyz -o section.json
   indgeo fit-curve section.xyz -o section.json --tolerance 0.05 --points-out deviations.csv
   indgeo fit-curve cloud.xyz -o curve.json --controls 24 --open --evolution evolution.svg
+  indgeo fit-curve outline.xyz --init circle.json --search -o curve.json --evolution growth.json
   indgeo fit-curve cloud.xyz --init start.json --term tangent --control none --report history.csv";
 
 impl Args {
@@ -92,6 +97,7 @@ impl Args {
             .with_abs_tolerance(self.tolerance)
             .with_max_controls(self.max_controls)
             .with_rational(self.rational)
+            .with_search(self.search)
             .with_fit(fit)
     }
 }

@@ -3,7 +3,8 @@
 use super::Outcome;
 use crate::args::Common;
 use crate::error::Error;
-use crate::registering_views::{self, Job, Start, outputs};
+use crate::registering::Start;
+use crate::registering_views::{self, Job, outputs};
 use crate::report::Report;
 use crate::summary;
 use clap::ValueEnum;

@@ -213,7 +213,7 @@ fn explain(files: &Files, found: &Report, inspection: &Inspection, apart: f64, d
     format!(
         "Then the scan was turned by {TURN}° and shifted by {SHIFT} mm, and registered to the model again:\n  \
          {} after {} steps; {} of {} points count (the others lie beyond the model), rms {:.4} mm.\n{free}  \
-         It lies {apart:.3} mm (rms) from where it was, most of it along that motion.\n\
+         It lies {apart:.3} mm (rms) from where it was: the position along that motion is that of the start.\n\
          Inspected there: {:.1} % of {} points within ±{TOLERANCE} mm. Open {} in a browser; it works offline.\n\n\
          The same by hand:\n  \
          indgeo register {} {} -o registered.ply --transform pose.json\n  \

@@ -1,20 +1,11 @@
 //! Colours for signed distances.
 
+use industrial_geometry::inspection::diverging;
+
 /// Number of different colours.
 pub(crate) const STEPS: usize = 25;
 /// Colour of what lies beyond the model.
 pub(crate) const BEYOND: [u8; 3] = [176, 182, 188];
-
-/// From far inside to far outside; the middle is neither white nor grey, so that it is seen on both.
-const STOPS: [[f64; 3]; 7] = [
-    [33.0, 47.0, 140.0],
-    [58.0, 118.0, 196.0],
-    [129.0, 190.0, 219.0],
-    [250.0, 240.0, 180.0],
-    [247.0, 170.0, 90.0],
-    [222.0, 78.0, 52.0],
-    [150.0, 8.0, 38.0],
-];
 
 /// The step for a distance on a scale from `-limit` to `limit`; what exceeds it gets the last step.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "limited to 0..STEPS")]
@@ -24,19 +15,8 @@ pub(crate) fn step(distance: f64, limit: f64) -> usize {
 }
 
 /// The colour of a step, darkened by `light` (1 for none).
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "limited to 0..=255 and to STOPS"
-)]
 pub(crate) fn colour(step: usize, light: f64) -> [u8; 3] {
-    let place = step as f64 / (STEPS - 1) as f64 * (STOPS.len() - 1) as f64;
-    let below = (place as usize).min(STOPS.len() - 2);
-    let part = place - below as f64;
-    std::array::from_fn(|channel| {
-        let value = STOPS[below][channel] * (1.0 - part) + STOPS[below + 1][channel] * part;
-        (value * light).round().clamp(0.0, 255.0) as u8
-    })
+    darken(diverging(2.0 * step as f64 / (STEPS - 1) as f64 - 1.0), light)
 }
 
 /// A colour, darkened.

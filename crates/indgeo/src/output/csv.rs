@@ -1,7 +1,6 @@
 //! Comma-separated values.
 
-use super::number;
-use super::rows::{Cell, Rows};
+use super::rows::{Cell, Rows, append_number};
 use crate::threads;
 use std::io::{self, Write};
 
@@ -16,8 +15,8 @@ pub(super) fn write(out: &mut dyn Write, table: &dyn Rows) -> io::Result<()> {
                     bytes.push(b',');
                 }
                 match table.cell(row, column) {
-                    Cell::Given(value) => number::append(bytes, value),
-                    Cell::Number(value) if value.is_finite() => number::append(bytes, value),
+                    Cell::Given(value) => append_number(bytes, value),
+                    Cell::Number(value) if value.is_finite() => append_number(bytes, value),
                     Cell::Index(Some(index)) => bytes.extend(index.to_string().as_bytes()),
                     Cell::Number(_) | Cell::Index(None) => {}
                     Cell::Name(name, _) => bytes.extend(name.as_bytes()),

@@ -1,7 +1,6 @@
 //! JSON with one array per column.
 
-use super::number;
-use super::rows::{Cell, Rows};
+use super::rows::{Cell, Rows, append_number};
 use crate::threads;
 use std::io::{self, Write};
 
@@ -18,7 +17,7 @@ pub(super) fn write(out: &mut dyn Write, table: &dyn Rows) -> io::Result<()> {
                 }
                 match table.cell(row, column) {
                     Cell::Given(value) | Cell::Number(value) if value.is_finite() => {
-                        number::append(bytes, value);
+                        append_number(bytes, value);
                     }
                     Cell::Index(Some(index)) => bytes.extend(index.to_string().as_bytes()),
                     Cell::Given(_) | Cell::Number(_) | Cell::Index(None) => bytes.extend(b"null"),

@@ -3,7 +3,6 @@
 mod csv;
 mod deviations;
 mod json;
-mod number;
 mod parameters;
 mod ply;
 mod rows;

@@ -1,5 +1,7 @@
 //! What the writers of results ask of a table.
 
+use industrial_geometry::io::write_number;
+
 /// The content of a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Cell {
@@ -27,4 +29,10 @@ pub(crate) trait Rows: Sync {
     fn triangles(&self) -> &[[u32; 3]];
     /// What a reader of a binary file should know.
     fn comments(&self) -> Vec<String>;
+}
+
+/// Appends a number as text that reads back to the same bits.
+pub(super) fn append_number(bytes: &mut Vec<u8>, value: f64) {
+    // Writing to memory cannot fail.
+    let _ = write_number(bytes, value);
 }

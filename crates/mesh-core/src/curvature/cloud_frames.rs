@@ -64,7 +64,7 @@ pub fn estimate_frames<T: Send>(
         links.push(list);
     }
     if normals.is_none() {
-        let graph = Graph::new(points.len(), || links.iter().map(Vec::as_slice));
+        let graph = Graph::new(points.len(), |i| &links[i]);
         let sides = |frame: &Option<CurvatureFrame>| frame.map_or_else(Vector3::zeros, |frame| frame.normal);
         let mut normals: Vec<_> = frames.iter().map(sides).collect();
         propagate(points, &graph, &mut normals);

@@ -29,16 +29,15 @@ pub(super) fn fit(
         return None;
     }
     let [t1, t2] = tangents(normal)?;
-    let rows = || {
+    // Coordinates over the tangent plane in units of the radius, heights and weights.
+    let samples = || {
         near.iter().map(|neighbour| {
             let d = (points[neighbour.index] - x) / radius;
-            let (xi, eta) = (d.dot(&t1), d.dot(&t2));
             let weight = (1.0 - 0.75 * neighbour.distance_sq / (radius * radius)).max(0.0);
-            let terms = [1.0, xi, eta, 0.5 * xi * xi, xi * eta, 0.5 * eta * eta];
-            (terms.map(|term| weight * term), weight * d.dot(normal))
+            [d.dot(&t1), d.dot(&t2), d.dot(normal), weight]
         })
     };
-    let [_, hx, hy, hxx, hxy, hyy] = solve_normal_equations(rows()).or_else(|| solve(rows()))?;
+    let [_, hx, hy, hxx, hxy, hyy] = solve_normal_equations(samples()).or_else(|| solve(samples()))?;
     // Curvature of the graph of the height at (0, 0), over orthonormal vectors of its tangent plane.
     let slope = (1.0 + hx * hx + hy * hy).sqrt();
     let tilted = unit(&(normal - t1 * hx - t2 * hy))?;
@@ -56,18 +55,77 @@ pub(super) fn fit(
     CurvatureFrame::of_form(form, [e1, e2], &tilted)
 }
 
-/// Least squares by the normal equations; `None` where they would cost half of the digits.
-fn solve_normal_equations(rows: impl Iterator<Item = ([f64; TERMS], f64)>) -> Option<[f64; TERMS]> {
-    let mut normal = [[0.0; TERMS]; TERMS];
-    let mut right = [0.0; TERMS];
-    for (row, height) in rows {
-        for i in 0..TERMS {
-            for j in 0..=i {
-                normal[i][j] += row[i] * row[j];
+/// Samples that are summed side by side.
+const LANES: usize = 4;
+
+/// The normal equations: matrix and right-hand side.
+///
+/// All products of two terms are monomials up to degree 4, so that 15 moments make up the matrix. Sums run in lanes, which
+/// the compiler turns into vector instructions, and are added up in a fixed order.
+fn normal_equations(samples: impl Iterator<Item = [f64; 4]>) -> ([[f64; TERMS]; TERMS], [f64; TERMS]) {
+    let mut moments = [[0.0; LANES]; 15];
+    let mut heights = [[0.0; LANES]; TERMS];
+    let mut add = |[xi, eta, height, weight]: &[[f64; LANES]; 4]| {
+        for lane in 0..LANES {
+            let (x, y, w) = (xi[lane], eta[lane], weight[lane] * weight[lane]);
+            let (xx, xy, yy) = (x * x, x * y, y * y);
+            let monomials = [
+                1.0,
+                x,
+                y,
+                xx,
+                xy,
+                yy,
+                xx * x,
+                xx * y,
+                x * yy,
+                yy * y,
+                xx * xx,
+                xx * xy,
+                xx * yy,
+                xy * yy,
+                yy * yy,
+            ];
+            for (moment, monomial) in moments.iter_mut().zip(monomials) {
+                moment[lane] += w * monomial;
             }
-            right[i] += row[i] * height;
+            let h = w * height[lane];
+            for (sum, monomial) in heights.iter_mut().zip(monomials) {
+                sum[lane] += h * monomial;
+            }
+        }
+    };
+    let mut block = [[0.0; LANES]; 4];
+    let mut filled = 0;
+    for sample in samples {
+        for (row, value) in block.iter_mut().zip(sample) {
+            row[filled] = value;
+        }
+        filled += 1;
+        if filled == LANES {
+            add(&block);
+            // What is left of the last block has no weight.
+            (block, filled) = ([[0.0; LANES]; 4], 0);
         }
     }
+    add(&block);
+    let total = |lanes: &[f64; LANES]| (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]);
+    let [m, x, y, xx, xy, yy, xxx, xxy, xyy, yyy, x4, x3y, xxyy, xy3, y4] = moments.each_ref().map(total);
+    let [h, hx, hy, hxx, hxy, hyy] = heights.each_ref().map(total);
+    let matrix = [
+        [m, x, y, 0.5 * xx, xy, 0.5 * yy],
+        [x, xx, xy, 0.5 * xxx, xxy, 0.5 * xyy],
+        [y, xy, yy, 0.5 * xxy, xyy, 0.5 * yyy],
+        [0.5 * xx, 0.5 * xxx, 0.5 * xxy, 0.25 * x4, 0.5 * x3y, 0.25 * xxyy],
+        [xy, xxy, xyy, 0.5 * x3y, xxyy, 0.5 * xy3],
+        [0.5 * yy, 0.5 * xyy, 0.5 * yyy, 0.25 * xxyy, 0.5 * xy3, 0.25 * y4],
+    ];
+    (matrix, [h, hx, hy, 0.5 * hxx, hxy, 0.5 * hyy])
+}
+
+/// Least squares by the normal equations; `None` where they would cost half of the digits.
+fn solve_normal_equations(samples: impl Iterator<Item = [f64; 4]>) -> Option<[f64; TERMS]> {
+    let (mut normal, mut right) = normal_equations(samples);
     // Cholesky's decomposition; the factor replaces the lower triangle.
     let (mut least, mut most) = (f64::INFINITY, 0.0f64);
     for i in 0..TERMS {
@@ -106,12 +164,13 @@ fn solve_normal_equations(rows: impl Iterator<Item = ([f64; TERMS], f64)>) -> Op
 }
 
 /// Least squares by a QR decomposition; `None` if the columns depend on each other.
-fn solve(rows: impl ExactSizeIterator<Item = ([f64; TERMS], f64)>) -> Option<[f64; TERMS]> {
-    let mut system = DMatrix::zeros(rows.len(), TERMS);
-    let mut right = DVector::zeros(rows.len());
-    for (i, (row, height)) in rows.enumerate() {
-        system.set_row(i, &RowSVector::from(row));
-        right[i] = height;
+fn solve(samples: impl ExactSizeIterator<Item = [f64; 4]>) -> Option<[f64; TERMS]> {
+    let mut system = DMatrix::zeros(samples.len(), TERMS);
+    let mut right = DVector::zeros(samples.len());
+    for (i, [xi, eta, height, weight]) in samples.enumerate() {
+        let terms = [1.0, xi, eta, 0.5 * xi * xi, xi * eta, 0.5 * eta * eta];
+        system.set_row(i, &RowSVector::from(terms.map(|term| weight * term)));
+        right[i] = weight * height;
     }
     let qr = system.qr();
     let r = qr.r();

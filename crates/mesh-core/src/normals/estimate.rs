@@ -105,7 +105,7 @@ pub fn estimate_normals(points: &[Point3<f64>], options: &NormalOptions) -> Resu
     match options.orientation {
         Orientation::Any => {}
         Orientation::Consistent => {
-            let graph = Graph::new(planes.len(), || planes.iter().map(|(_, links)| links.as_slice()));
+            let graph = Graph::new(planes.len(), |i| &planes[i].1);
             drop(planes);
             components = propagate(points, &graph, &mut normals);
         }

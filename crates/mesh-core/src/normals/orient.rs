@@ -51,7 +51,7 @@ pub fn orient_consistently(
     let index = CloudIndex::new(points)?;
     let lists = index
         .map_nearest_n(points, neighbours.saturating_add(1), |i, near| Graph::links(i, near, neighbours));
-    Ok(propagate(points, &Graph::new(points.len(), || lists.iter().map(Vec::as_slice)), normals))
+    Ok(propagate(points, &Graph::new(points.len(), |i| &lists[i]), normals))
 }
 
 fn check_length(points: &[Point3<f64>], normals: &[Vector3<f64>]) -> Result<(), Error> {
@@ -65,25 +65,31 @@ fn check_length(points: &[Point3<f64>], normals: &[Vector3<f64>]) -> Result<(), 
 struct Link {
     /// Cosine of the angle between the second normal and the first, reflected; negative if they are on different sides.
     agreement: f64,
-    /// Sine of the angle by which the link leaves the tangent planes.
-    steepness: f64,
+    /// Square of the sine of the angle by which the link leaves the tangent planes.
+    steepness_sq: f64,
 }
 
 impl Link {
     /// On a sphere or a circle, and over a thin rim, the normal at one point is the mirror image of that at the other in
     /// the plane between them (\[KG09\]); compared as they are, normals on both sides of a thin wall would seem to agree.
     fn new(points: &[Point3<f64>], [one, other]: [usize; 2], [first, second]: [&Vector3<f64>; 2]) -> Self {
-        let along = unit(&(points[other] - points[one])).unwrap_or_else(Vector3::zeros);
+        let along = points[other] - points[one];
+        let squared = along.norm_squared();
+        let (along, squared) = if squared.is_normal() {
+            (along, squared)
+        } else {
+            (unit(&along).unwrap_or_else(Vector3::zeros), 1.0)
+        };
         let slopes = [along.dot(first), along.dot(second)];
         Self {
-            agreement: first.dot(second) - 2.0 * slopes[0] * slopes[1],
-            steepness: slopes[0].abs().max(slopes[1].abs()),
+            agreement: first.dot(second) - 2.0 * slopes[0] * slopes[1] / squared,
+            steepness_sq: (slopes[0] * slopes[0]).max(slopes[1] * slopes[1]) / squared,
         }
     }
 
     /// 0 for equal normals across the link, at most 1.
     fn cost(&self) -> f64 {
-        (0.5 * (1.0 - self.agreement.abs()).max(0.0) + 0.5 * self.steepness * self.steepness).sqrt()
+        (0.5 * (1.0 - self.agreement.abs()).max(0.0) + 0.5 * self.steepness_sq).sqrt()
     }
 }
 

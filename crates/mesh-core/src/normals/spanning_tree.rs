@@ -21,28 +21,34 @@ impl Graph {
         others.take(degree).filter_map(|index| u32::try_from(index).ok()).collect()
     }
 
-    /// `lists` gives the neighbours of all points in order, each time that it is asked.
-    pub(crate) fn new<'a, I: Iterator<Item = &'a [u32]>>(count: usize, lists: impl Fn() -> I) -> Self {
+    /// `list` gives the neighbours of a point.
+    pub(crate) fn new<'a>(count: usize, list: impl Fn(usize) -> &'a [u32]) -> Self {
+        // Of two points that are neighbours of each other the first one has the link.
+        let links = || {
+            let list = &list;
+            (0u32..).zip(0..count).flat_map(move |(from, i)| {
+                let own = move |&to: &u32| from < to || !list(to as usize).contains(&from);
+                list(i).iter().copied().filter(own).map(move |to| (from, to))
+            })
+        };
         let mut starts = vec![0usize; count + 2];
-        for (from, list) in lists().enumerate() {
-            starts[from + 2] += list.len();
-            list.iter().for_each(|&to| starts[to as usize + 2] += 1);
+        for (from, to) in links() {
+            starts[from as usize + 2] += 1;
+            starts[to as usize + 2] += 1;
         }
         for i in 2..starts.len() {
             starts[i] += starts[i - 1];
         }
-        let mut links = vec![0u32; starts[count + 1]];
-        for (from, list) in (0u32..).zip(lists()) {
-            for &to in list {
-                for (one, other) in [(from, to), (to, from)] {
-                    let place = &mut starts[one as usize + 1];
-                    links[*place] = other;
-                    *place += 1;
-                }
+        let mut ends = vec![0u32; starts[count + 1]];
+        for (from, to) in links() {
+            for (one, other) in [(from, to), (to, from)] {
+                let place = &mut starts[one as usize + 1];
+                ends[*place] = other;
+                *place += 1;
             }
         }
         starts.pop();
-        Self { starts, links }
+        Self { starts, links: ends }
     }
 
     fn neighbours(&self, i: usize) -> &[u32] {

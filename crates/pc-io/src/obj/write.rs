@@ -2,8 +2,8 @@
 
 use std::io::{self, Write};
 
-use crate::number;
 use crate::shape::{Keeps, Shape};
+use crate::write_number;
 
 const KEEPS: Keeps =
     Keeps { normals: true, colours: true, opacity: true, scalars: false, triangles: true, plane: false };
@@ -18,7 +18,7 @@ pub(crate) fn write(out: &mut dyn Write, shape: Shape<'_>, warnings: &mut Vec<St
         {
             for &channel in &rgba[..if colours.has_alpha() { 4 } else { 3 }] {
                 out.write_all(b" ")?;
-                number::write(out, f64::from(channel) / 255.0)?;
+                write_number(out, f64::from(channel) / 255.0)?;
             }
         }
         out.write_all(b"\n")?;
@@ -42,7 +42,7 @@ fn write_vector(out: &mut dyn Write, keyword: &str, values: &[f64]) -> io::Resul
     out.write_all(keyword.as_bytes())?;
     for &value in values {
         out.write_all(b" ")?;
-        number::write(out, value)?;
+        write_number(out, value)?;
     }
     Ok(())
 }

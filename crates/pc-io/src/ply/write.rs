@@ -2,8 +2,8 @@
 
 use std::io::{self, Write};
 
-use crate::number;
 use crate::shape::{Keeps, Shape};
+use crate::write_number;
 
 const KEEPS: Keeps =
     Keeps { normals: true, colours: true, opacity: true, scalars: true, triangles: true, plane: true };
@@ -80,7 +80,7 @@ impl Row {
         for &value in values {
             if self.ascii {
                 self.separate();
-                number::write(&mut self.bytes, value)?;
+                write_number(&mut self.bytes, value)?;
             } else {
                 self.bytes.extend(value.to_le_bytes());
             }

@@ -2,8 +2,8 @@
 
 use std::io::{self, Write};
 
-use crate::number;
 use crate::shape::{Keeps, Shape};
+use crate::write_number;
 
 const KEEPS: Keeps =
     Keeps { normals: true, colours: true, opacity: true, scalars: true, triangles: false, plane: true };
@@ -87,7 +87,7 @@ fn write_numbers(out: &mut dyn Write, values: &[f64], separator: &str, first: bo
         if !(first && place == 0) {
             out.write_all(separator.as_bytes())?;
         }
-        number::write(out, value)?;
+        write_number(out, value)?;
     }
     Ok(())
 }

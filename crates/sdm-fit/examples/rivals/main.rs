@@ -5,23 +5,23 @@
 //! the best that any method reached. Ours share the loop, with smoothing that falls from 0.01 to 0 by halves; L-BFGS has a
 //! fixed smoothing of 1e-8, since all of its memory belongs to one cost.
 
+#[path = "../cases/mod.rs"]
+mod cases;
 mod lbfgs;
 
+use cases::{Outcome, fixture, points, start};
 use distance_field::{ErrorTerm, Search};
 use lbfgs::Joint;
-use nalgebra::{SVector, Vector2};
-use nurbs_core::{BsplineCurve, KnotVector};
+use nalgebra::SVector;
+use nurbs_core::BsplineCurve;
 use sdm_fit::curve::{ActiveCurve, CurveOptions, fit_curve};
 use sdm_fit::{
     ActiveShape, Constraints, FitOptions, FootpointPolicy, Smoothing, StepControl, StepRecord, Target,
     fit_with_progress,
 };
-use std::error::Error;
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 use std::time::Instant;
-
-type Outcome<T> = Result<T, Box<dyn Error>>;
 
 const METHODS: [(&str, ErrorTerm, StepControl); 4] = [
     ("PDM", ErrorTerm::Point, StepControl::None),
@@ -37,16 +37,17 @@ const ARRIVED: f64 = 1.05;
 type Course = Vec<(f64, f64)>;
 
 fn main() -> Outcome<()> {
-    let (a1, a3) = (points::<2>("a1_rect.xyz")?, points::<2>("a3_bean.xyz")?);
+    let case = |name: &str| fixture(&format!("fit-cases/{name}"));
+    let (a1, a3) = (points::<2>(&case("a1_rect.xyz"))?, points::<2>(&case("a3_bean.xyz"))?);
     for (name, data, file) in [
         ("rectangle, 12 control points, even start", &a1, "a1_init_even.json"),
         ("rectangle, 12 control points, uneven start", &a1, "a1_init_uneven.json"),
         ("bean, 12 control points, even start", &a3, "a3_init_even.json"),
         ("bean, 12 control points, uneven start", &a3, "a3_init_uneven.json"),
     ] {
-        compare(name, data, &start(file)?)?;
+        compare(name, data, &start(&case(file))?)?;
     }
-    let b = points::<3>("b_open3d_ordered.xyz")?;
+    let b = points::<3>(&case("b_open3d_ordered.xyz"))?;
     let options = CurveOptions::default()
         .with_controls(Some(24))
         .with_fit(FitOptions::default().with_max_iterations(2));
@@ -119,25 +120,4 @@ fn joint<const D: usize>(points: &[SVector<f64, D>], start: &BsplineCurve<D>) ->
         measuring = clock.elapsed().as_secs_f64() - seconds;
     }
     Ok(course)
-}
-
-fn text(name: &str) -> Outcome<String> {
-    let path = format!("{}/../../fixtures/fit-cases/{name}", env!("CARGO_MANIFEST_DIR"));
-    Ok(std::fs::read_to_string(&path).map_err(|error| format!("{path}: {error}"))?)
-}
-
-fn points<const D: usize>(name: &str) -> Outcome<Vec<SVector<f64, D>>> {
-    let line = |line: &str| -> Outcome<SVector<f64, D>> {
-        let values = line.split_whitespace().take(D).map(str::parse).collect::<Result<Vec<f64>, _>>()?;
-        Ok(SVector::from_column_slice(&values))
-    };
-    text(name)?.lines().filter(|l| !l.trim().is_empty()).map(line).collect()
-}
-
-fn start(name: &str) -> Outcome<BsplineCurve<2>> {
-    let value: serde_json::Value = serde_json::from_str(&text(name)?)?;
-    let knots: Vec<f64> = serde_json::from_value(value["knots"].clone())?;
-    let net: Vec<[f64; 2]> = serde_json::from_value(value["control_points"].clone())?;
-    let net = net.into_iter().map(Vector2::from).collect();
-    Ok(BsplineCurve::new(KnotVector::periodic(3, knots)?, net, None)?)
 }

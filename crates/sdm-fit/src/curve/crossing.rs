@@ -52,7 +52,7 @@ pub fn self_crossings<const D: usize>(curve: &BsplineCurve<D>) -> Vec<[f64; 2]> 
     found
 }
 
-fn plane<const D: usize>(x: &SVector<f64, D>) -> Vector2<f64> {
+pub(super) fn plane<const D: usize>(x: &SVector<f64, D>) -> Vector2<f64> {
     Vector2::new(x[0], x[1])
 }
 

@@ -3,6 +3,7 @@
 use super::active::ActiveCurve;
 use super::adapt;
 use super::crossing::self_crossings;
+use super::front;
 use super::options::CurveOptions;
 use super::rational;
 use super::report::{Closure, CurveFit, CurveReport, CurveStart, PointFoot, StageRecord};
@@ -22,6 +23,8 @@ pub(super) const EXACT: f64 = 1e-9;
 const NEARLY_EXACT: f64 = 1e-5;
 /// Share by which finishing may raise the distance (for less energy).
 const CREEP: f64 = 0.01;
+/// Contours of a search that are kept.
+const STAGES: usize = 8;
 /// Factors of `λ` tried when a curve crosses itself.
 const SMOOTHER: [f64; 4] = [4.0, 16.0, 64.0, 256.0];
 
@@ -79,8 +82,10 @@ pub fn fit_curve_with_progress<const D: usize>(
         Some(curve) => {
             let moved = curve.translated(&-centre)?;
             let closed = moved.knots().is_periodic();
+            let moved = if options.search { work.grown(&moved)? } else { moved };
             let state = work.after_start(moved)?;
-            (state, None, (closed, Closure::Start, CurveStart::Given))
+            let kind = if options.search { CurveStart::Contour } else { CurveStart::Given };
+            (state, None, (closed, Closure::Start, kind))
         }
         None => {
             let layout = Layout::new(&local, options)?;
@@ -184,6 +189,21 @@ impl<'a, const D: usize> Work<'a, D> {
         } else {
             fit
         }
+    }
+
+    /// The start, grown inside the points until it meets them.
+    fn grown(&mut self, start: &BsplineCurve<D>) -> Result<BsplineCurve<D>, Error> {
+        if !start.knots().is_periodic() {
+            return Err(Error::Option { name: "search", value: 1.0, allowed: "false (0) for open curves" });
+        }
+        let polygons = front::contours(self.points, Some(start), STAGES)?;
+        let curves = polygons.iter().map(|nodes| front::through(nodes, start.knots()));
+        let curves = curves.collect::<Result<Vec<_>, _>>()?;
+        if self.options.fit.evolution {
+            self.evolution.push(start.clone());
+            self.evolution.extend_from_slice(&curves);
+        }
+        Ok(curves.last().unwrap_or(start).clone())
     }
 
     /// The fit from a given curve.

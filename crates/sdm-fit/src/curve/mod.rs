@@ -7,6 +7,7 @@ mod active;
 mod adapt;
 mod crossing;
 mod fit;
+mod front;
 mod options;
 mod path;
 mod rational;

@@ -21,6 +21,9 @@ pub struct CurveOptions {
     pub max_controls: usize,
     /// Whether weights are unknowns, too, so that conics are exact; default not.
     pub rational: bool,
+    /// Whether the outline is searched in the whole plane first, by a contour that grows inside the points until it meets them: for
+    /// starts that are far away, and for outlines that wind. Only for closed curves in the plane; default not.
+    pub search: bool,
     /// Options of the loop.
     pub fit: FitOptions,
 }
@@ -34,6 +37,7 @@ impl Default for CurveOptions {
             abs_tolerance: None,
             max_controls: 200,
             rational: false,
+            search: false,
             fit: FitOptions::default(),
         }
     }
@@ -74,6 +78,12 @@ impl CurveOptions {
     #[must_use]
     pub fn with_rational(self, rational: bool) -> Self {
         Self { rational, ..self }
+    }
+
+    /// The same options with or without a search of the whole plane.
+    #[must_use]
+    pub fn with_search(self, search: bool) -> Self {
+        Self { search, ..self }
     }
 
     /// The same options with other options of the loop.

@@ -35,6 +35,8 @@ pub enum CurveStart {
     Order,
     /// Along the skeleton of the cloud.
     Skeleton,
+    /// A contour that grew inside the points.
+    Contour,
     /// An ellipse about the principal axes.
     Ellipse,
     /// A line along the principal axis.

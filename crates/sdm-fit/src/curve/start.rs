@@ -1,5 +1,6 @@
 //! Curves to start from.
 
+use super::front;
 use super::options::CurveOptions;
 use super::path::{Path, along_order, is_ordered, principal, through_cloud};
 use super::report::{Closure, CurveStart};
@@ -42,6 +43,25 @@ impl<const D: usize> Layout<D> {
             let path = Path { nodes: ends, gap: f64::INFINITY, gap_limit: 0.0, ordered: false };
             let kind = CurveStart::Line;
             return Ok(Self { kind, closed: false, closure, path: Some(path), axes, centre });
+        }
+        if options.search {
+            if options.closed == Some(false) {
+                return Err(Error::Option {
+                    name: "search",
+                    value: 1.0,
+                    allowed: "false (0) for open curves",
+                });
+            }
+            let nodes = front::contours(points, None, 1)?.pop();
+            let path = nodes.map(|nodes| Path { nodes, gap: 0.0, gap_limit: 1.0, ordered: false });
+            return Ok(Self {
+                kind: CurveStart::Contour,
+                closed: true,
+                closure: Closure::Asked,
+                path,
+                axes,
+                centre,
+            });
         }
         let path = if is_ordered(points) { Some(along_order(points)) } else { through_cloud(points) };
         let kind = match &path {

@@ -32,6 +32,12 @@ impl<const D: usize> Velocity<D> {
         self.translation + cross::<D>(&self.rotation) * x + x * self.growth
     }
 
+    /// The same field with another origin, given in coordinates of the present one.
+    #[must_use]
+    pub(crate) fn about_origin(&self, origin: &SVector<f64, D>) -> Self {
+        Self { translation: self.at(origin), ..*self }
+    }
+
     /// From the unknowns of a step: translation, rotation, growth.
     #[must_use]
     pub(crate) fn from_unknowns(unknowns: &SVector<f64, MAX_UNKNOWNS>) -> Self {
