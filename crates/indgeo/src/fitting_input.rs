@@ -114,6 +114,17 @@ pub(crate) fn warn_dropped(path: &Path, dropped: usize, points: usize, report: &
     }
 }
 
+/// Says when there are fewer points than control points.
+pub(crate) fn warn_undetermined(path: &Path, points: usize, [u, v]: [usize; 2], report: &mut Report) {
+    if points < u * v {
+        report.warnings.push(format!(
+            "{}: {points} points for {u} x {v} control points: the smoothing decides what the points leave open; take fewer \
+             (--controls)",
+            path.display()
+        ));
+    }
+}
+
 /// Writes a curve or surface.
 pub(crate) fn put_model(
     path: &Path,

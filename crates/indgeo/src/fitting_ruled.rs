@@ -1,7 +1,7 @@
 //! The fit of a ruled surface: read, move, fit, write.
 
 use crate::error::Error;
-use crate::fitting_input::{Scan, check_paths, put_model, start_surface, warn_dropped};
+use crate::fitting_input::{Scan, check_paths, put_model, start_surface, warn_dropped, warn_undetermined};
 use crate::progress::Progress;
 use crate::report::{Report, Results, Timings};
 use industrial_geometry::fit::ruled::{
@@ -79,6 +79,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
         ));
     }
     let fitted = found.fit.report;
+    warn_undetermined(job.points, points.len() - found.dropped, fitted.controls, report);
     let failed = matches!(fitted.fit.status, Status::Diverged | Status::Singular);
     let good = found.within_tolerance && !failed;
     if let Some(path) = job.out {

@@ -2,7 +2,7 @@
 
 use crate::between_vertices::between_vertices;
 use crate::error::Error;
-use crate::fitting_input::{Scan, check_paths, put_model, start_surface, warn_dropped};
+use crate::fitting_input::{Scan, check_paths, put_model, start_surface, warn_dropped, warn_undetermined};
 use crate::progress::Progress;
 use crate::report::{Report, Results, Timings};
 use crate::surface_start::{Refusal, Start, from_cloud};
@@ -82,6 +82,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
         ),
     })?;
     warn_dropped(job.points, fitted.dropped, points.len(), report);
+    warn_undetermined(job.points, points.len() - fitted.dropped, fitted.controls, report);
     if let Some(start) = &from {
         start.warn(job.points, report);
     }

@@ -145,4 +145,11 @@ fn bad_input_and_usage() {
         assert_eq!(run.code, 2, "{command}: {}{}", run.stdout, run.stderr);
         assert!(run.stderr.contains(message), "{command}: {}", run.stderr);
     }
+    // Fewer points than unknowns: the smoothing decides, and that is said.
+    bench.put("four.xyz", "0 0 0\n1 0 0\n0 1 0\n0 0 1\n");
+    for command in ["fit-surface four.xyz -o four.json", "fit-ruled four.xyz -o four.json"] {
+        let run = bench.run(command);
+        assert!(run.code < 2 && run.stderr.contains("4 points for 1"), "{command}: {}", run.stderr);
+        assert!(!bench.text("four.json").contains("NaN") && !bench.text("four.json").contains("null,"));
+    }
 }
