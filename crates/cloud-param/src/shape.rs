@@ -107,10 +107,15 @@ pub fn decide(cloud: &Neighbourhood, axis: &AxisEstimate) -> Result<ShapeDecisio
             ),
         );
     }
+    let field = if flat.is_finite() {
+        format!("a height field leaves {flat:.1} spacings")
+    } else {
+        "no height field meets it".to_owned()
+    };
     Err(Error::Shape {
         wanted: "plane-, cylinder- or sphere-like",
         why: format!(
-            "a height field leaves {flat:.1} spacings, layers close to {:.0} % around the best axis, and {:.0} % of the directions from the middle have points; choose the shape or the axis",
+            "{field}, layers close to {:.0} % around the best axis, and {:.0} % of the directions from the middle have points; choose the shape or the axis",
             100.0 * around,
             100.0 * sphere
         ),

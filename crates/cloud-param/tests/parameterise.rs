@@ -169,11 +169,26 @@ fn what_is_no_cylinder_is_refused_with_the_reason() {
         assert!(!found.is_converged() || found.report.shape.shape != Shape::Cylinder, "{}", found.report);
     }
     assert!(matches!(find(&points[..10]), Err(Error::TooFewPoints { needed: 100, .. })));
-    assert!(find(&[Vector3::zeros(); 500]).is_err());
+    assert!(matches!(find(&[Vector3::zeros(); 500]), Err(Error::TooFewPoints { usable: 1, .. })));
     let line: Vec<_> = (0..500).map(|i| Vector3::new(f64::from(i), 0.0, 0.0)).collect();
     assert!(parameterise(&line, &cylinder).is_err());
     let nan = vec![Vector3::repeat(f64::NAN); 300];
     assert!(matches!(find(&nan), Err(Error::TooFewPoints { usable: 0, .. })));
+}
+
+#[test]
+fn points_given_many_times_over_count_once() {
+    let once = vase(1500, 0.0);
+    let many: Vec<_> = (0..20).flat_map(|_| once.clone()).collect();
+    let (found, same) = (find(&many).unwrap(), find(&once).unwrap());
+    assert_eq!(
+        (found.base == same.base, found.report.used),
+        (true, 20 * same.report.used),
+        "{}",
+        found.report
+    );
+    let few: Vec<_> = (0..20).flat_map(|_| once[..20].to_vec()).collect();
+    assert!(matches!(find(&few), Err(Error::TooFewPoints { total: 400, usable: 20, needed: 100 })));
 }
 
 #[test]

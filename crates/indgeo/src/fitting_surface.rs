@@ -5,7 +5,7 @@ use crate::error::Error;
 use crate::fitting_input::{Scan, check_paths, put_model, start_surface, warn_dropped, warn_undetermined};
 use crate::progress::Progress;
 use crate::report::{Report, Results, Timings};
-use crate::surface_start::{Start, from_cloud};
+use crate::surface_start::{Refusal, Start, from_cloud};
 use industrial_geometry::fit::{
     Error as FitError, Status, StepRecord, SurfaceOptions, SurfaceReport, fit_surface_with_progress,
     with_controls,
@@ -60,12 +60,12 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
                 Some(controls) => with_controls(start, controls),
                 None => Ok(start),
             };
-            start.and_then(|start| fit_surface_with_progress(&finite, start, &job.options, &tell)).map(
-                |mut found| {
-                    found.report.dropped = points.len() - finite.len();
-                    (found.surface, found.report)
-                },
-            )
+            let fitted =
+                start.and_then(|start| fit_surface_with_progress(&finite, start, &job.options, &tell));
+            fitted.map_err(Refusal::Fit).map(|mut found| {
+                found.report.dropped = points.len() - finite.len();
+                (found.surface, found.report)
+            })
         }
         None => from_cloud(&points, &job.options, &tell).map(|(surface, fitted, start)| {
             from = Some(start);
@@ -73,7 +73,14 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
         }),
     });
     drop(progress);
-    let (surface, fitted) = found.map_err(|error| refused(job, &error))?;
+    let (surface, fitted) = found.map_err(|refusal| match refusal {
+        Refusal::Fit(error) => refused(job, &error),
+        Refusal::Points(error) => Error::content(
+            job.points,
+            error.to_string(),
+            "check it with `indgeo info`, or choose another --shape",
+        ),
+    })?;
     warn_dropped(job.points, fitted.dropped, points.len(), report);
     warn_undetermined(job.points, points.len() - fitted.dropped, fitted.controls, report);
     if let Some(start) = &from {
@@ -91,7 +98,16 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
         put_model(path, surface, content, report)?;
     }
     let failed = matches!(fitted.fit.status, Status::Diverged | Status::Singular);
-    let good = fitted.within_tolerance && !failed;
+    let far = job.options.abs_tolerance.is_none() && from.as_ref().is_some_and(|s| s.is_far(fitted.fit.rms));
+    if far {
+        report.warnings.push(format!(
+            "the points are {:.3e} from the surface on average, farther than they are from each other: it does not follow them; take \
+             more control points or another --shape",
+            fitted.fit.rms
+        ));
+    }
+    let doubtful = from.as_ref().is_some_and(|start| start.doubtful);
+    let good = fitted.within_tolerance && !failed && !far && !doubtful && fitted.folds.count() == 0;
     report.results =
         Some(Results::Surface(Box::new(SurfaceResults { fitted, start: from, added: samples.len() })));
     Ok(good)

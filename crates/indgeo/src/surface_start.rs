@@ -28,6 +28,10 @@ pub(crate) struct Start {
     pub(crate) least_squares_rms: Option<f64>,
     /// What became of it.
     pub(crate) outcome: Option<FinishOutcome>,
+    /// Distance of the points from each other, if there was a base surface.
+    pub(crate) spacing: Option<f64>,
+    /// Whether the points are of no kind for which the first parameters are known to be right.
+    pub(crate) doubtful: bool,
     /// Points that do not count: apart from the others.
     pub(crate) strays: usize,
     /// Points that do not count: beyond the ends of the base surface.
@@ -36,7 +40,16 @@ pub(crate) struct Start {
 
 impl Start {
     fn simple(why: String) -> Self {
-        Self { why, base_rms: None, least_squares_rms: None, outcome: None, strays: 0, beyond_ends: 0 }
+        Self {
+            why,
+            base_rms: None,
+            least_squares_rms: None,
+            outcome: None,
+            spacing: None,
+            doubtful: false,
+            strays: 0,
+            beyond_ends: 0,
+        }
     }
 
     fn base(found: &ParameteriseReport) -> Self {
@@ -45,9 +58,16 @@ impl Start {
             base_rms: Some(found.rms),
             least_squares_rms: None,
             outcome: None,
+            spacing: Some(found.spacing),
+            doubtful: false,
             strays: found.strays,
             beyond_ends: found.beyond_ends,
         }
+    }
+
+    /// Whether a surface at this distance from the points does not follow them.
+    pub(crate) fn is_far(&self, rms: f64) -> bool {
+        self.spacing.is_some_and(|spacing| rms > spacing)
     }
 
     /// Says which points do not count, and what was kept.
@@ -61,6 +81,11 @@ impl Start {
                 report.warnings.push(format!("{name}: {count} points {what}; they do not count"));
             }
         }
+        if self.doubtful {
+            report
+                .warnings
+                .push(format!("{name}: whether the surface is right must be looked at; {}", self.why));
+        }
         if matches!(self.outcome, Some(FinishOutcome::KeptSinceFolded | FinishOutcome::KeptSinceNoNearer)) {
             report.warnings.push(
                 "minimising the distances made the least squares surface fold, or no better; it was kept as it is"
@@ -70,13 +95,28 @@ impl Start {
     }
 }
 
+/// Why there is no surface.
+#[derive(Debug)]
+pub(crate) enum Refusal {
+    /// The fit failed.
+    Fit(Error),
+    /// The points are not of the kind that was asked for, or not one surface.
+    Points(ParameterError),
+}
+
+impl From<Error> for Refusal {
+    fn from(error: Error) -> Self {
+        Self::Fit(error)
+    }
+}
+
 /// Fits a surface: over a base surface that follows the points where there is one, otherwise over a simple shape.
 pub(crate) fn from_cloud(
     points: &[Vector3<f64>],
     options: &SurfaceOptions,
     progress: Progress<'_>,
-) -> Result<Found, Error> {
-    let simple = |why: &str| -> Result<Found, Error> {
+) -> Result<Found, Refusal> {
+    let simple = |why: &str| -> Result<Found, Refusal> {
         let found = fit_cloud_with_progress(points, options, progress)?;
         Ok((found.surface, found.report, Start::simple(why.to_owned())))
     };
@@ -92,10 +132,24 @@ pub(crate) fn from_cloud(
     };
     match over_base_surface(points, shape, options, progress) {
         Ok(found) => Ok(found),
-        Err(ParameterError::Fit(error)) => Err(error),
-        // Too few points, or nothing that closes: the simple shapes ask for less.
-        Err(error) => simple(&format!("a simple shape gave the first parameters: {error}")),
+        Err(ParameterError::Fit(error)) => Err(error.into()),
+        // The simple shapes ask for less.
+        Err(error @ ParameterError::TooFewPoints { .. }) => {
+            simple(&format!("a simple shape gave the first parameters: {error}"))
+        }
+        // Of no kind that is known, but one surface: the nearest of the simple shapes, which need not be right.
+        Err(error @ ParameterError::Shape { .. }) if shape == Shape::Auto && !in_parts(&error) => {
+            let (surface, report, mut start) =
+                simple(&format!("a simple shape gave the first parameters: {error}"))?;
+            start.doubtful = true;
+            Ok((surface, report, start))
+        }
+        Err(error) => Err(Refusal::Points(error)),
     }
+}
+
+fn in_parts(error: &ParameterError) -> bool {
+    matches!(error, ParameterError::Shape { wanted: "one surface", .. })
 }
 
 fn over_base_surface(

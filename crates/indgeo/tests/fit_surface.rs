@@ -82,6 +82,38 @@ fn the_kind_of_surface_is_decided_with_a_reason() {
 }
 
 #[test]
+fn what_is_not_the_kind_of_surface_is_no_success() {
+    let bench = Bench::new();
+    let share = |k: usize, step: f64| (k as f64 * step).fract();
+    let (a, h) = (|k| TAU * share(k, 0.754_877_666), |k| share(k, 0.569_840_291));
+    let cloud = |place: &dyn Fn(usize) -> [f64; 3]| -> String {
+        (0..2000).map(place).map(|[x, y, z]| format!("{x} {y} {z}\n")).collect()
+    };
+    bench.put("tube.xyz", tube(2000));
+    bench.put("half.xyz", cloud(&|k| [3.0 * (a(k) / 2.0).cos(), 3.0 * (a(k) / 2.0).sin(), 10.0 * h(k)]));
+    bench.put("plane.xyz", cloud(&|k| [8.0 * h(k), a(k), 0.0]));
+    bench.put("open.xyz", cloud(&|k| [3.0 * (0.75 * a(k)).cos(), 3.0 * (0.75 * a(k)).sin(), 10.0 * h(k)]));
+    let chance = |k: usize| ((k as f64 * 12.9898).sin() * 43_758.545_3).fract().abs();
+    bench.put("block.xyz", cloud(&|k| [a(k), 5.0 * h(k), 5.0 * chance(k)]));
+    bench.put("two.xyz", tube(1000) + &cloud(&|k| [a(k) + 40.0, h(k), 0.0]));
+    for (arguments, code, message) in [
+        ("two.xyz", 2, "falls apart into"),
+        ("two.xyz --shape cylinder", 2, "falls apart into"),
+        ("half.xyz --shape cylinder", 2, "not a cylinder"),
+        ("open.xyz --shape cylinder", 2, "not a cylinder"),
+        ("plane.xyz --shape cylinder", 2, "not a cylinder"),
+        ("open.xyz", 1, "must be looked at"),
+        ("block.xyz", 1, ""),
+        ("tube.xyz", 0, ""),
+    ] {
+        let run =
+            bench.run(&format!("fit-surface {arguments} -o out.json --controls 8x8 --max-iterations 6"));
+        assert_eq!(run.code, code, "{arguments}: {}{}", run.stdout, run.stderr);
+        assert!(run.stderr.contains(message), "{arguments}: {}", run.stderr);
+    }
+}
+
+#[test]
 fn a_tolerance_out_of_reach_is_said() {
     let bench = Bench::new();
     bench.put("tube.xyz", tube(600));

@@ -150,15 +150,20 @@ pub fn parameterise_with_progress(
     Ok(Parameterisation { base: surface, feet: all, counts, report })
 }
 
-/// The largest part of the cloud, if the others are strays, and which points these are.
+/// The largest part of the cloud, if the others are strays, and which points these are. Points that are given many times over
+/// count once: others would have no neighbours but them.
 fn one_part(points: &[Vector3<f64>]) -> Result<(Neighbourhood, Vec<bool>), Error> {
-    let cloud = Neighbourhood::new(points)?;
+    let (distinct, number) = distinct(points);
+    if distinct.len() < LEAST {
+        return Err(Error::TooFewPoints { total: points.len(), usable: distinct.len(), needed: LEAST });
+    }
+    let cloud = Neighbourhood::new(&distinct)?;
     let (part, sizes) = components(cloud.points(), REACH * cloud.pitch());
     let strays: usize = sizes[1..].iter().sum();
     if strays == 0 {
         return Ok((cloud, vec![false; points.len()]));
     }
-    if strays as f64 > STRAYS * points.len() as f64 {
+    if strays as f64 > STRAYS * distinct.len() as f64 {
         return Err(Error::Shape {
             wanted: "one surface",
             why: format!(
@@ -171,8 +176,34 @@ fn one_part(points: &[Vector3<f64>]) -> Result<(Neighbourhood, Vec<bool>), Error
         });
     }
     let kept: Vec<Vector3<f64>> =
-        points.iter().zip(&part).filter(|(_, k)| **k == 0).map(|(p, _)| *p).collect();
-    Ok((Neighbourhood::new(&kept)?, part.iter().map(|&k| k > 0).collect()))
+        distinct.iter().zip(&part).filter(|(_, k)| **k == 0).map(|(p, _)| *p).collect();
+    Ok((Neighbourhood::new(&kept)?, number.iter().map(|&k| part[k] > 0).collect()))
+}
+
+/// Points without those that are equal to an earlier one, and for each point the number of the one that stands for it.
+fn distinct(points: &[Vector3<f64>]) -> (Vec<Vector3<f64>>, Vec<usize>) {
+    let mut order: Vec<usize> = (0..points.len()).collect();
+    let compare = |i: &usize, j: &usize| {
+        let (a, b) = (points[*i], points[*j]);
+        a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z)).then(i.cmp(j))
+    };
+    order.sort_unstable_by(compare);
+    let mut first: Vec<usize> = (0..points.len()).collect();
+    for pair in order.windows(2) {
+        if points[pair[0]] == points[pair[1]] {
+            first[pair[1]] = first[pair[0]];
+        }
+    }
+    let (mut kept, mut number) = (Vec::with_capacity(points.len()), vec![0; points.len()]);
+    for (i, &earlier) in first.iter().enumerate() {
+        if earlier == i {
+            number[i] = kept.len();
+            kept.push(points[i]);
+        } else {
+            number[i] = number[earlier];
+        }
+    }
+    (kept, number)
 }
 
 /// Whether the layers close around the axis.

@@ -76,8 +76,9 @@ sphere or torus: what the first parameters were taken from), `start` (why, and h
 surface were, before the distances were minimised), `controls`, `share_within`, `within_tolerance`, `folds` (cells
 in which the surface folds back on itself), `dropped` (points that are not finite).
 
-Exit status 0: done, and the tolerance, if there is one, holds; 1: the tolerance does not hold, or the iteration failed (the
-surface is written nevertheless); 2: bad input or usage.
+Exit status 0: done, and the tolerance, if there is one, holds; 1: the tolerance does not hold, the iteration failed, the surface
+folds, is farther from the points than they are from each other, or the points are of no kind that is known (the surface is written
+nevertheless); 2: bad input or usage, as points that are not of the kind that was asked for, or not one surface.
 
 Examples:
   indgeo fit-surface scan.ply -o surface.json --tolerance 0.05

@@ -99,8 +99,13 @@ impl<'a> Corners<'a> {
             reversed.then_some(normal)
         };
         (0..2).any(|direction| {
-            let side = |sign: isize| (1..=PLEAT as isize).find_map(|k| beside(direction, sign * k));
-            side(-1).zip(side(1)).is_some_and(|(before, after)| before.dot(&after) > 0.0)
+            // Around a closed surface of few cells a quarter at most: further off its normal is reversed on both sides anyway.
+            let quarter = (self.cells[direction].saturating_sub(1) / 4).max(1);
+            let most = if self.closed[direction] { PLEAT.min(quarter) } else { PLEAT } as isize;
+            let side = |sign: isize| (1..=most).find_map(|k| beside(direction, sign * k));
+            side(-1)
+                .zip(side(1))
+                .is_some_and(|(before, after)| before.dot(&after) > 0.5 * before.norm() * after.norm())
         })
     }
 
