@@ -53,6 +53,8 @@ const GAP: f64 = 0.12;
 const CAPPED: f64 = 0.35;
 /// Share of the points of a thin end that may lie between its sides.
 const THIN_END: f64 = 0.1;
+/// Share of directions that the layers of a cylinder cover whose ends are closed in part, as by the platform of a blade.
+const CLOSED: f64 = 0.95;
 /// Residual of a height field, in spacings, up to which a cloud that is nothing else counts as one.
 const NEARLY_FLAT: f64 = 3.0;
 /// Share of the directions from the middle that a sphere covers.
@@ -62,7 +64,8 @@ const ALL_AROUND: f64 = 0.93;
 ///
 /// It is plane-like if a height field over its principal plane meets it within the spacing of its points, or within three
 /// spacings and it is nothing else, as half a cylinder; cylinder-like if its
-/// layers close around the axis and the ends are open; sphere-like if points lie in all directions from its middle.
+/// layers close around the axis and the ends are open; sphere-like if points lie in all directions from its middle; and again
+/// cylinder-like if its layers close and it is nothing else.
 ///
 /// # Errors
 /// [`Error::Shape`] if it is none of these.
@@ -107,6 +110,16 @@ pub fn decide(cloud: &Neighbourhood, axis: &AxisEstimate) -> Result<ShapeDecisio
             ),
         );
     }
+    if around >= CLOSED && axis.coverage.typical_gap() <= GAP {
+        return decision(
+            Shape::Cylinder,
+            format!(
+                "layers close around an axis ({:.0} % of the directions), though points lie across its ends ({:.0} % as dense as on the side), and it is nothing else",
+                100.0 * around,
+                100.0 * ends
+            ),
+        );
+    }
     let field = if flat.is_finite() {
         format!("a height field leaves {flat:.1} spacings")
     } else {
@@ -115,8 +128,9 @@ pub fn decide(cloud: &Neighbourhood, axis: &AxisEstimate) -> Result<ShapeDecisio
     Err(Error::Shape {
         wanted: "plane-, cylinder- or sphere-like",
         why: format!(
-            "{field}, layers close to {:.0} % around the best axis, and {:.0} % of the directions from the middle have points; choose the shape or the axis",
+            "{field}, layers close to {:.0} % around the best axis with gaps of {:.0} degrees, and {:.0} % of the directions from the middle have points; choose the shape or the axis",
             100.0 * around,
+            360.0 * axis.coverage.typical_gap(),
             100.0 * sphere
         ),
     })

@@ -97,7 +97,7 @@ fn a_thinned_mesh_of_a_blade_gets_a_base_surface_without_folds() {
     let bench = Bench::new();
     let scan = fixture("scans/engine-blade.ply");
     let run = bench.run(&format!(
-        "parameterize {scan} -o base.json --params uv.csv --fit blade.json --shape cylinder --no-finish --json report.json"
+        "parameterize {scan} -o base.json --params uv.csv --fit blade.json --no-finish --json report.json"
     ));
     // The platform is finer than the base surface: it is done, but not near everywhere, and says so.
     assert!(run.code < 2, "{}{}", run.stdout, run.stderr);
