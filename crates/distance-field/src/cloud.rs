@@ -2,9 +2,9 @@
 
 use crate::local_geometry::{of_point, of_principal};
 use crate::osculating::frame_nearby;
-use crate::{DistanceField, Error, Hint, PrincipalFrame, Search};
+use crate::{DistanceField, Error, Hint, PrincipalFrame, Search, parallel};
 use footpoint::Status;
-use mesh_core::{CloudIndex, CurvatureFrame, FrameOptions, Neighbour, estimate_frames};
+use mesh_core::{CloudIndex, CurvatureFrame, FrameOptions, Neighbour, estimate_frames, spatial_order};
 use nalgebra::{Point3, Vector2, Vector3};
 use nurbs_core::Aabb;
 
@@ -13,7 +13,7 @@ const RING: usize = 16;
 /// Angle in radians without a neighbour that makes a point one of the border.
 const BORDER_GAP: f64 = 2.2;
 /// How far from a point, in multiples of the spacing there, a query may be for the point to bound the search.
-const CLOSE: f64 = 1.5;
+const CLOSE: f64 = 2.0;
 /// How far a foot may lie from the nearest point, in multiples of the spacing there.
 const REACH: f64 = 2.0;
 
@@ -68,18 +68,47 @@ impl CloudOptions {
 /// ```
 #[derive(Clone, Debug)]
 pub struct CloudField {
-    /// Of the points relative to `centre`, as are the patches.
+    /// Of the points relative to `centre`, as are the patches, in an order in which neighbours follow each other.
     index: CloudIndex<3>,
     centre: Vector3<f64>,
-    /// One per point of the cloud; unusable where the point is not finite.
+    /// The points; apart from the rest, since most that are looked at are not the nearest.
+    points: Vec<Point3<f64>>,
+    /// One per point; `None` for a point that is not finite.
+    around: Vec<Option<Around>>,
+    /// One per point; unusable where the point is not finite.
     patches: Vec<Patch>,
     bounds: Aabb<3>,
+}
+
+/// Neighbours of a point that are kept: enough for most queries within the spacing.
+const KEPT: usize = 12;
+
+/// Points around one point, itself included.
+#[derive(Clone, Copy, Debug)]
+struct Around {
+    /// The nearest ones; where there are fewer, the last one again.
+    indices: [u32; KEPT],
+    /// All points nearer than this are among them.
+    radius: f64,
+    /// Distance of the points from each other.
+    spacing: f64,
+}
+
+impl Around {
+    fn new(near: &[Neighbour]) -> Option<Self> {
+        let last = near.get(..KEPT).unwrap_or(near).last()?;
+        let mut indices = [0; KEPT];
+        for (k, index) in indices.iter_mut().enumerate() {
+            *index = u32::try_from(near.get(k).unwrap_or(last).index).ok()?;
+        }
+        let radius = if near.len() > KEPT { last.distance() } else { 0.0 };
+        Some(Self { indices, radius, spacing: spacing(near) })
+    }
 }
 
 /// The surface around one point.
 #[derive(Clone, Copy, Debug)]
 struct Patch {
-    point: Vector3<f64>,
     /// `None` where the neighbours span no plane.
     frame: Option<CurvatureFrame>,
     /// Distance of the points from each other.
@@ -111,18 +140,26 @@ impl CloudField {
         // Relative to the centre: estimates square the coordinates.
         let centre = bounds.centre();
         let local: Vec<Point3<f64>> = points.iter().map(|p| p - centre).collect();
+        let order = spatial_order(&local).unwrap_or_else(|| (0u32..).zip(&local).map(|(i, _)| i).collect());
+        let local: Vec<Point3<f64>> = order.iter().map(|&i| local[i as usize]).collect();
+        let normals = normals.map(|normals| sorted(normals, &order)).transpose()?;
         let index = CloudIndex::new(&local)?;
         let frames =
             FrameOptions { neighbours: options.neighbours, looked_at: RING, curvature: options.curvature };
-        let (frames, around) = estimate_frames(&index, &local, normals, &frames, |i, near, frame| {
-            let near = &near[..near.len().min(RING)];
-            let border = frame.is_none_or(|frame| is_border(&local, i, near, frame));
-            (spacing(near), border)
-        })?;
-        let patches = (local.iter().zip(frames).zip(around))
-            .map(|((point, frame), (spacing, border))| Patch { point: point.coords, frame, spacing, border })
-            .collect();
-        Ok(Self { index, centre, patches, bounds })
+        let (frames, looks) =
+            estimate_frames(&index, &local, normals.as_deref(), &frames, |i, near, frame| {
+                let near = &near[..near.len().min(RING)];
+                let border = frame.is_none_or(|frame| is_border(&local, i, near, frame));
+                (border, Around::new(near))
+            })?;
+        let patches = (frames.into_iter().zip(&looks)).map(|(frame, &(border, around))| Patch {
+            frame,
+            border,
+            spacing: around.map_or(0.0, |a| a.spacing),
+        });
+        let patches = patches.collect();
+        let around = looks.into_iter().map(|(_, around)| around).collect();
+        Ok(Self { index, centre, points: local, around, patches, bounds })
     }
 
     /// Number of points at the border of the cloud, or where the neighbours span no surface.
@@ -130,6 +167,15 @@ impl CloudField {
     pub fn border_count(&self) -> usize {
         self.patches.iter().filter(|patch| patch.border).count()
     }
+}
+
+/// Values, one for each point, in the order of the points.
+fn sorted(normals: &[Vector3<f64>], order: &[u32]) -> Result<Vec<Vector3<f64>>, Error> {
+    if normals.len() != order.len() {
+        let (name, found, expected) = ("normals".to_owned(), normals.len(), order.len());
+        return Err(mesh_core::Error::AttributeLength { name, found, expected }.into());
+    }
+    Ok(order.iter().map(|&i| normals[i as usize]).collect())
 }
 
 /// The distance within which a point has some six neighbours.
@@ -185,40 +231,62 @@ fn turn(d: &Vector2<f64>) -> f64 {
 }
 
 impl CloudField {
-    /// The point nearest to `x`, which is relative to the centre.
-    fn nearest(&self, x: &Vector3<f64>, search: Search, hint: &Hint) -> Option<Neighbour> {
-        let hinted = hint.element_below(self.patches.len()).filter(|_| search != Search::Global);
-        let bound = hinted.map(|i| ((x - self.patches[i].point).norm(), self.patches[i].spacing));
-        let close = bound.filter(|(distance, spacing)| *distance <= CLOSE * spacing);
-        // A little more, for what rounding takes from the distance.
-        let found = close
-            .and_then(|(distance, _)| self.index.nearest_within(&Point3::from(*x), distance * (1.0 + 1e-9)));
-        found.or_else(|| self.index.nearest(&Point3::from(*x)))
+    /// The point nearest to `x`, which is relative to the centre; the search is shorter if one of the guesses is near.
+    fn nearest(&self, x: &Vector3<f64>, guesses: [Option<usize>; 2]) -> Option<usize> {
+        let mut close = guesses.into_iter().flatten().filter_map(|i| {
+            let around = self.around[i].as_ref()?;
+            let distance = (x - self.points[i].coords).norm();
+            (distance <= CLOSE * around.spacing).then_some((around, distance))
+        });
+        let found = close.next().and_then(|(around, distance)| {
+            self.among(around, x, distance).or_else(|| {
+                // A little more, for what rounding takes from the distance.
+                let near = self.index.nearest_within(&Point3::from(*x), distance * (1.0 + 1e-9));
+                near.map(|near| near.index)
+            })
+        });
+        found.or_else(|| self.index.nearest(&Point3::from(*x)).map(|near| near.index))
     }
-}
 
-impl DistanceField<3> for CloudField {
-    fn frame(&self, x: &Vector3<f64>, search: Search, hint: &Hint) -> PrincipalFrame<3> {
+    /// The point nearest to `x` among those around a point at this distance, if it is surely the nearest of all.
+    fn among(&self, around: &Around, x: &Vector3<f64>, distance: f64) -> Option<usize> {
+        // Nearer points lie within twice the distance.
+        if 2.0 * distance * (1.0 + 1e-9) >= around.radius {
+            return None;
+        }
+        let squared = |index: u32| {
+            let d = x - self.points[index as usize].coords;
+            d.x * d.x + d.y * d.y + d.z * d.z
+        };
+        let nearest = around.indices.map(|index| (squared(index), index)).into_iter();
+        let nearest = nearest.reduce(|best, other| {
+            if other.0 < best.0 || other.0 == best.0 && other.1 < best.1 { other } else { best }
+        });
+        nearest.map(|(_, index)| index as usize)
+    }
+
+    /// The frame of a query; which points may be near it does not change the frame.
+    fn frame_from(&self, x: &Vector3<f64>, guesses: [Option<usize>; 2]) -> PrincipalFrame<3> {
         if !x.iter().all(|c| c.is_finite()) {
             return PrincipalFrame::invalid(Status::InvalidPoint);
         }
         let x = x - self.centre;
-        let Some(nearest) = self.nearest(&x, search, hint) else {
+        let Some(nearest) = self.nearest(&x, guesses) else {
             return PrincipalFrame::invalid(Status::Diverged);
         };
-        let patch = &self.patches[nearest.index];
+        let (patch, point) = (&self.patches[nearest], self.points[nearest].coords);
         let geometry = match &patch.frame {
             Some(frame) => of_principal(&frame.directions, &frame.normal, frame.curvatures, 0.0),
-            None => of_point(&(x - patch.point), None),
+            None => of_point(&(x - point), None),
         };
         let at_point = PrincipalFrame {
-            foot: patch.point,
+            foot: point,
             axes: geometry.axes,
             curvatures: geometry.curvatures,
             tangent_dimension: geometry.tangent_dimension,
             distance: 0.0,
             on_boundary: patch.border,
-            hint: Hint::new(nearest.index, [0.0; 2]),
+            hint: Hint::new(nearest, [0.0; 2]),
             status: if patch.border { Status::OnBoundary } else { Status::Converged },
         };
         // At the border the foot does not leave the cloud.
@@ -226,6 +294,31 @@ impl DistanceField<3> for CloudField {
         let mut frame = frame_nearby(&at_point, &x, reach);
         frame.foot += self.centre;
         frame
+    }
+
+    /// The point that a hint names, unless the search is global.
+    fn hinted(&self, search: Search, hint: &Hint) -> Option<usize> {
+        hint.element_below(self.patches.len()).filter(|_| search != Search::Global)
+    }
+}
+
+impl DistanceField<3> for CloudField {
+    fn frame(&self, x: &Vector3<f64>, search: Search, hint: &Hint) -> PrincipalFrame<3> {
+        self.frame_from(x, [self.hinted(search, hint), None])
+    }
+
+    fn frames(&self, points: &[Vector3<f64>], search: Search, hints: &[Hint]) -> Vec<PrincipalFrame<3>> {
+        // Queries that follow each other often are neighbours.
+        parallel::map_with(
+            points.len(),
+            || None,
+            |before, i| {
+                let hinted = hints.get(i).and_then(|hint| self.hinted(search, hint));
+                let frame = self.frame_from(&points[i], [hinted, *before]);
+                *before = frame.hint.element_below(self.patches.len());
+                frame
+            },
+        )
     }
 
     fn bounding_box(&self) -> Aabb<3> {

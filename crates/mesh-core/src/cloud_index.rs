@@ -1,11 +1,15 @@
 //! Nearest neighbours in a cloud.
 
+use std::cmp::Ordering;
 use std::num::NonZeroUsize;
 
 use nalgebra::Point;
 
 use crate::kd_tree::KdTree;
 use crate::{Error, parallel};
+
+/// How much farther than those of the query before the neighbours of a query are expected to be at most.
+const MARGIN: f64 = 1.15;
 
 /// A point of a cloud near a query.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -169,14 +173,16 @@ impl<const D: usize> CloudIndex<D> {
         count: usize,
         f: impl Fn(usize, &[Neighbour]) -> T + Sync,
     ) -> Vec<T> {
-        parallel::map_with(
-            points,
-            || (Vec::new(), Vec::new()),
-            |(positions, found), i| {
-                self.nearest_n_into(&points[i], count, positions, found);
-                f(i, found)
-            },
-        )
+        let scratch = || (Vec::new(), Vec::new(), None);
+        parallel::map_with(points, scratch, |(positions, found, before), i| {
+            let x = &points[i];
+            let expected = before.map(|radius: f64| radius * MARGIN);
+            if !self.nearest_n_within(x, count, expected, found) {
+                self.nearest_n_into(x, count, positions, found);
+            }
+            *before = found.last().map(Neighbour::distance);
+            f(i, found)
+        })
     }
 
     /// `f(i, neighbours)` of all points up to a distance from every point `i`, in order, on all threads.
@@ -189,6 +195,35 @@ impl<const D: usize> CloudIndex<D> {
         f: impl Fn(usize, &[Neighbour]) -> T + Sync,
     ) -> Vec<T> {
         parallel::map(points, |i| f(i, &self.within(&points[i], radius)))
+    }
+
+    /// [`CloudIndex::nearest_n`] where so many points lie within the radius; else `false`, and nothing is found.
+    ///
+    /// Takes less time if the radius is little more than needed.
+    fn nearest_n_within(
+        &self,
+        x: &Point<f64, D>,
+        count: usize,
+        radius: Option<f64>,
+        found: &mut Vec<Neighbour>,
+    ) -> bool {
+        found.clear();
+        let (Some(tree), Some(radius)) = (self.tree_for(x), radius) else { return false };
+        let limit_sq = radius * radius;
+        tree.visit_within(&x.coords.into(), limit_sq, |distance_sq, position| {
+            if distance_sq <= limit_sq {
+                found.extend(self.neighbours_at(position, distance_sq));
+            }
+        });
+        let is_enough = found.len() >= count && limit_sq.is_finite();
+        if is_enough && count > 0 {
+            if found.len() > count {
+                found.select_nth_unstable_by(count - 1, by_distance);
+                found.truncate(count);
+            }
+            found.sort_unstable_by(by_distance);
+        }
+        is_enough
     }
 
     /// [`CloudIndex::nearest_n`] into memory that is used again.
@@ -228,9 +263,13 @@ impl<const D: usize> CloudIndex<D> {
 }
 
 fn sort(neighbours: &mut [Neighbour]) {
-    neighbours.sort_unstable_by(|one, other| {
-        one.distance_sq.total_cmp(&other.distance_sq).then(one.index.cmp(&other.index))
-    });
+    neighbours.sort_unstable_by(by_distance);
+}
+
+fn by_distance(one: &Neighbour, other: &Neighbour) -> Ordering {
+    // Bits of numbers that are not negative are in the order of the numbers.
+    let key = |near: &Neighbour| (near.distance_sq.to_bits(), near.index);
+    key(one).cmp(&key(other))
 }
 
 /// Groups ascending indices by position, groups in the order of their first indices, and says where groups begin;

@@ -72,6 +72,7 @@ pub use sampling::{
     Outliers, SurfaceSample, VoxelPoint, VoxelSample, eliminate_samples, farthest_points, radius_outliers,
     sample_poisson_disk, sample_uniform, sample_wide_triangles, statistical_outliers, voxel_downsample,
 };
+pub use spatial_order::spatial_order;
 pub use topology::MeshTopology;
 pub use triangle::Feature;
 pub use weld::VertexWelder;

@@ -7,9 +7,13 @@ const LEAST: usize = 2048;
 /// Bits per axis: cells of a thousandth of the size.
 const BITS: u32 = 10;
 
-/// The indices of the points along a curve that fills space (Morton's), by which queries after each other touch the same
-/// part of a tree; `None` where there are too few points for it to pay.
-pub(crate) fn spatial_order<const D: usize>(points: &[Point<f64, D>]) -> Option<Vec<u32>> {
+/// The indices of points in the plane or in space along a curve that fills it (Morton's): points after each other are near each
+/// other, so that what is kept and asked for in this order is found in the caches of the processor.
+///
+/// `None` where it would not pay, for fewer than 2048 points, or for points that are in this order already, or beyond 32-bit
+/// indices. Points that are not finite are somewhere.
+#[must_use]
+pub fn spatial_order<const D: usize>(points: &[Point<f64, D>]) -> Option<Vec<u32>> {
     if points.len() < LEAST || u32::try_from(points.len()).is_err() || D > 3 {
         return None;
     }
@@ -40,6 +44,9 @@ pub(crate) fn spatial_order<const D: usize>(points: &[Point<f64, D>]) -> Option<
     };
     let mut order: Vec<(u32, u32)> =
         points.iter().zip(0u32..).map(|(point, index)| (code(point), index)).collect();
+    if order.is_sorted() {
+        return None;
+    }
     order.sort_unstable();
     Some(order.into_iter().map(|(_, index)| index).collect())
 }
@@ -53,10 +60,12 @@ mod tests {
         let mut points: Vec<_> =
             (0..3000u32).map(|i| Point::from([f64::from(i * 7919 % 3000), 0.5])).collect();
         points[7] = Point::from([f64::NAN, f64::INFINITY]);
-        for points in [points, vec![Point::from([1.0, 1.0]); 3000], vec![Point::from([f64::NAN; 2]); 3000]] {
-            let mut order = spatial_order(&points).unwrap();
-            order.sort_unstable();
-            assert!(order.into_iter().eq(0..3000));
+        let mut order = spatial_order(&points).unwrap();
+        order.sort_unstable();
+        assert!(order.into_iter().eq(0..3000));
+        // What is in order needs none.
+        for points in [vec![Point::from([1.0, 1.0]); 3000], vec![Point::from([f64::NAN; 2]); 3000]] {
+            assert_eq!(spatial_order(&points), None);
         }
         assert_eq!(spatial_order(&[Point::from([0.0; 3])]), None);
     }

@@ -289,7 +289,14 @@ impl<const D: usize> Run<'_, D> {
         // What is left, if the motions go on shrinking at this rate. A damped step says nothing about that.
         let left = if ratio < 1.0 { trial.motion * ratio / (1.0 - ratio) } else { trial.motion };
         let full = self.damping == 0.0 && trial.factor == 1.0;
-        if full && (left <= self.tolerance() || trial.motion <= self.tolerance()) {
+        let ends = if full {
+            left <= self.tolerance() || trial.motion <= self.tolerance()
+        } else {
+            // Where the cost has steps, as that of points which change their neighbours, a full step may raise it a little. That
+            // does not matter where the whole of it would have been too short to make.
+            self.motion(&models, &models.scaled.step(&models.linear, 0.0)) <= self.tolerance()
+        };
+        if ends {
             return ControlFlow::Break(Status::Converged);
         }
         let (gain, shrinking, most) = CREEPING;

@@ -2,7 +2,8 @@
 
 use crate::Error;
 use crate::parallel;
-use nalgebra::{SMatrix, SVector};
+use mesh_core::spatial_order;
+use nalgebra::{Point, SMatrix, SVector};
 
 /// Width of the points as a share of their length below which they count as collinear.
 const COLLINEAR: f64 = 1e-9;
@@ -56,7 +57,7 @@ pub(crate) struct Prepared<const D: usize> {
     pub(crate) centre: SVector<f64, D>,
     /// Diagonal of the box around the points.
     pub(crate) diagonal: f64,
-    /// Points relative to the centre.
+    /// Points relative to the centre, in an order in which neighbours follow each other.
     pub(crate) points: Vec<SVector<f64, D>>,
     /// Unit normals, 0 where unknown; empty where there are none at all.
     pub(crate) normals: Vec<SVector<f64, D>>,
@@ -85,9 +86,13 @@ impl<const D: usize> Prepared<D> {
             let index = (0..total).find(|i| !finite(i)).unwrap_or(0);
             return Err(Error::NotFinite { index, count: dropped });
         }
-        let keep: Vec<usize> = keep.into_iter().filter(weighs).collect();
+        let mut keep: Vec<usize> = keep.into_iter().filter(weighs).collect();
         if keep.len() < D {
             return Err(Error::TooFewPoints { total, finite: keep.len(), needed: D });
+        }
+        let at: Vec<Point<f64, D>> = keep.iter().map(|&i| source.points[i].into()).collect();
+        if let Some(order) = spatial_order(&at) {
+            keep = order.into_iter().map(|k| keep[k as usize]).collect();
         }
         let (centre, diagonal) = centre_and_diagonal(&keep, source.points);
         let points: Vec<_> = keep.iter().map(|&i| source.points[i] - centre).collect();

@@ -4,7 +4,7 @@ use nalgebra::{Point3, Vector3};
 
 use super::quadric;
 use super::tensor::{CurvatureFrame, tangents};
-use crate::normals::{GRAPH_DEGREE, Graph, propagate, tangent_plane};
+use crate::normals::{GRAPH_DEGREE, links, propagate, tangent_plane};
 use crate::{CloudIndex, Error, Neighbour};
 
 /// How the frames of a cloud are estimated.
@@ -54,20 +54,19 @@ pub fn estimate_frames<T: Send>(
         let fitted = &near[..near.len().min(options.neighbours)];
         let frame = frame_of(points, i, fitted, given, options.curvature);
         let looked = look(i, near, frame.as_ref());
-        (frame, looked, Graph::links(i, near, degree))
+        (frame, looked, links(i, near, degree))
     });
-    let mut links = Vec::with_capacity(seen.len());
+    let mut lists = Vec::with_capacity(seen.len());
     let (mut frames, mut looked) = (Vec::with_capacity(seen.len()), Vec::with_capacity(seen.len()));
     for (frame, value, list) in seen {
         frames.push(frame);
         looked.push(value);
-        links.push(list);
+        lists.push(list);
     }
     if normals.is_none() {
-        let graph = Graph::new(points.len(), |i| &links[i]);
         let sides = |frame: &Option<CurvatureFrame>| frame.map_or_else(Vector3::zeros, |frame| frame.normal);
         let mut normals: Vec<_> = frames.iter().map(sides).collect();
-        propagate(points, &graph, &mut normals);
+        propagate(points, |i| &lists[i], &mut normals);
         for (frame, normal) in
             frames.iter_mut().flatten().zip(normals.iter().filter(|n| **n != Vector3::zeros()))
         {

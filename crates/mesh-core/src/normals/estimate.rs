@@ -1,14 +1,9 @@
 //! Normals of a cloud by principal components of the neighbours ([HDDMS92, sec. 3.1]).
 
-use nalgebra::{Matrix3, Point3, SymmetricEigen, Vector3};
+use nalgebra::{Point3, Vector3};
 
-use super::{orient_towards, unit};
-use crate::normals::orient::propagate;
-use crate::normals::spanning_tree::Graph;
-use crate::{CloudIndex, Error, Neighbour};
-
-/// Ratio of the variances along the second and the first principal axis up to which neighbours lie on a line.
-const COLLINEAR: f64 = 1e-12;
+use super::{links, orient_towards, propagate, tangent_plane};
+use crate::{CloudIndex, Error};
 
 /// Most neighbours through which orientations propagate.
 pub(crate) const GRAPH_DEGREE: usize = 10;
@@ -97,7 +92,7 @@ pub fn estimate_normals(points: &[Point3<f64>], options: &NormalOptions) -> Resu
     let degree = if options.orientation == Orientation::Consistent { GRAPH_DEGREE } else { 0 };
     let planes = index.map_nearest_n(points, options.neighbours, |i, near| {
         let plane = tangent_plane(points, &points[i], near).unwrap_or((Vector3::zeros(), 1.0 / 3.0));
-        (plane, Graph::links(i, near, degree))
+        (plane, links(i, near, degree))
     });
     let mut normals: Vec<_> = planes.iter().map(|((normal, _), _)| *normal).collect();
     let variations = planes.iter().map(|((_, variation), _)| *variation).collect();
@@ -105,41 +100,10 @@ pub fn estimate_normals(points: &[Point3<f64>], options: &NormalOptions) -> Resu
     match options.orientation {
         Orientation::Any => {}
         Orientation::Consistent => {
-            let graph = Graph::new(planes.len(), |i| &planes[i].1);
-            drop(planes);
-            components = propagate(points, &graph, &mut normals);
+            components = propagate(points, |i| &planes[i].1, &mut normals);
         }
         Orientation::Towards(view_point) => orient_towards(points, &mut normals, &view_point)?,
     }
     let undefined = normals.iter().filter(|&&normal| normal == Vector3::zeros()).count();
     Ok(CloudNormals { normals, variations, undefined, components })
-}
-
-/// Unit normal and surface variation of the plane through neighbours of `x`; `None` if they do not span one.
-pub(crate) fn tangent_plane(
-    points: &[Point3<f64>],
-    x: &Point3<f64>,
-    near: &[Neighbour],
-) -> Option<(Vector3<f64>, f64)> {
-    let radius = near.last()?.distance();
-    if radius == 0.0 || near.len() < 3 {
-        return None;
-    }
-    // Relative to the point and its neighbourhood, so that neither a far origin nor the unit costs digits.
-    let relative = |neighbour: &Neighbour| (points[neighbour.index] - x) / radius;
-    let mean = near.iter().map(relative).sum::<Vector3<f64>>() / near.len() as f64;
-    let mut covariance = Matrix3::zeros();
-    for neighbour in near {
-        let d = relative(neighbour) - mean;
-        covariance += d * d.transpose();
-    }
-    let eigen = SymmetricEigen::new(covariance);
-    let mut axes = [0, 1, 2];
-    axes.sort_by(|&one, &other| eigen.eigenvalues[one].total_cmp(&eigen.eigenvalues[other]));
-    let [least, middle, most] = axes.map(|axis| eigen.eigenvalues[axis].max(0.0));
-    if middle <= COLLINEAR * most {
-        return None;
-    }
-    let normal = unit(&eigen.eigenvectors.column(axes[0]).into_owned())?;
-    Some((normal, least / (least + middle + most)))
 }

@@ -3,15 +3,17 @@
 mod estimate;
 mod mesh;
 mod orient;
-mod spanning_tree;
+mod spanning_forest;
+mod tangent_plane;
 
 pub use estimate::{CloudNormals, NormalOptions, Orientation, estimate_normals};
 pub use mesh::Normals;
 pub use orient::{orient_consistently, orient_towards};
 
-pub(crate) use estimate::{GRAPH_DEGREE, tangent_plane};
+pub(crate) use estimate::GRAPH_DEGREE;
 pub(crate) use orient::propagate;
-pub(crate) use spanning_tree::Graph;
+pub(crate) use spanning_forest::links;
+pub(crate) use tangent_plane::tangent_plane;
 
 use nalgebra::Vector3;
 

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
-use super::spanning_tree::Graph;
+use super::spanning_forest::{Forest, Link, links};
 use super::unit;
 use crate::{CloudIndex, Error};
 
@@ -49,9 +49,9 @@ pub fn orient_consistently(
         return Err(Error::TooFew { what: "neighbours", count: 0, least: 1 });
     }
     let index = CloudIndex::new(points)?;
-    let lists = index
-        .map_nearest_n(points, neighbours.saturating_add(1), |i, near| Graph::links(i, near, neighbours));
-    Ok(propagate(points, &Graph::new(points.len(), |i| &lists[i]), normals))
+    let lists =
+        index.map_nearest_n(points, neighbours.saturating_add(1), |i, near| links(i, near, neighbours));
+    Ok(propagate(points, |i| &lists[i], normals))
 }
 
 fn check_length(points: &[Point3<f64>], normals: &[Vector3<f64>]) -> Result<(), Error> {
@@ -61,81 +61,90 @@ fn check_length(points: &[Point3<f64>], normals: &[Vector3<f64>]) -> Result<(), 
     Err(Error::AttributeLength { name: "normals".to_owned(), found: normals.len(), expected: points.len() })
 }
 
-/// Two neighbouring points.
-struct Link {
-    /// Cosine of the angle between the second normal and the first, reflected; negative if they are on different sides.
-    agreement: f64,
-    /// Square of the sine of the angle by which the link leaves the tangent planes.
-    steepness_sq: f64,
+/// The link between two neighbouring points.
+///
+/// On a sphere or a circle, and over a thin rim, the normal at one point is the mirror image of that at the other in the plane
+/// between them (\[KG09\]); compared as they are, normals on both sides of a thin wall would seem to agree.
+fn link(points: [&Point3<f64>; 2], [first, second]: [&Vector3<f64>; 2]) -> Link {
+    let along = points[1] - points[0];
+    let squared = along.norm_squared();
+    let (along, squared) = if squared.is_normal() {
+        (along, squared)
+    } else {
+        (unit(&along).unwrap_or_else(Vector3::zeros), 1.0)
+    };
+    let slopes = [along.dot(first), along.dot(second)];
+    // The cosine of the angle between the second normal and the first, reflected.
+    let agreement = first.dot(second) - 2.0 * slopes[0] * slopes[1] / squared;
+    // The square of the sine of the angle by which the link leaves the tangent planes.
+    let steepness_sq = (slopes[0] * slopes[0]).max(slopes[1] * slopes[1]) / squared;
+    // 0 for equal normals across the link, at most 1.
+    let cost = (0.5 * (1.0 - agreement.abs()).max(0.0) + 0.5 * steepness_sq).sqrt();
+    Link { cost, opposite: agreement < 0.0 }
 }
 
-impl Link {
-    /// On a sphere or a circle, and over a thin rim, the normal at one point is the mirror image of that at the other in
-    /// the plane between them (\[KG09\]); compared as they are, normals on both sides of a thin wall would seem to agree.
-    fn new(points: &[Point3<f64>], [one, other]: [usize; 2], [first, second]: [&Vector3<f64>; 2]) -> Self {
-        let along = points[other] - points[one];
-        let squared = along.norm_squared();
-        let (along, squared) = if squared.is_normal() {
-            (along, squared)
-        } else {
-            (unit(&along).unwrap_or_else(Vector3::zeros), 1.0)
-        };
-        let slopes = [along.dot(first), along.dot(second)];
-        Self {
-            agreement: first.dot(second) - 2.0 * slopes[0] * slopes[1] / squared,
-            steepness_sq: (slopes[0] * slopes[0]).max(slopes[1] * slopes[1]) / squared,
-        }
-    }
-
-    /// 0 for equal normals across the link, at most 1.
-    fn cost(&self) -> f64 {
-        (0.5 * (1.0 - self.agreement.abs()).max(0.0) + 0.5 * self.steepness_sq).sqrt()
-    }
-}
-
-/// Propagates orientations in every component of the graph and returns their number.
-pub(crate) fn propagate(points: &[Point3<f64>], graph: &Graph, normals: &mut [Vector3<f64>]) -> usize {
-    let components = graph.components(normals);
-    let mut reached = vec![false; points.len()];
-    // Costs do not see the sides, which are settled while the trees grow.
-    let lines = normals.to_vec();
-    for component in &components {
-        let Some((root, outwards)) = extreme(points, normals, component) else { continue };
-        if normals[root as usize].dot(&outwards) < 0.0 {
-            normals[root as usize] = -normals[root as usize];
-        }
-        let cost = |one: usize, other: usize| {
-            let exists = lines[other] != Vector3::zeros();
-            exists.then(|| Link::new(points, [one, other], [&lines[one], &lines[other]]).cost())
-        };
-        graph.grow(root, &mut reached, cost, |parent, child| {
-            if Link::new(points, [parent, child], [&normals[parent], &normals[child]]).agreement < 0.0 {
-                normals[child] = -normals[child];
-            }
-        });
-    }
-    components.len()
-}
-
-/// The point that is farthest along one of the six axis directions, where its normal fits that direction best.
-fn extreme(
+/// Propagates orientations between points that are linked, and returns the number of pieces.
+pub(crate) fn propagate<'a>(
     points: &[Point3<f64>],
-    normals: &[Vector3<f64>],
-    component: &[u32],
-) -> Option<(u32, Vector3<f64>)> {
-    let mut best: Option<(f64, u32, Vector3<f64>)> = None;
-    for axis in 0..3 {
-        for sign in [1.0, -1.0] {
-            let height = |index: u32| sign * points[index as usize][axis];
-            let top = component
-                .iter()
-                .copied()
-                .reduce(|top, index| if height(index) > height(top) { index } else { top })?;
-            let fit = normals[top as usize][axis].abs();
-            if best.is_none_or(|(best, ..)| fit > best) {
-                best = Some((fit, top, Vector3::ith(axis, sign)));
+    neighbours: impl Fn(usize) -> &'a [u32],
+    normals: &mut [Vector3<f64>],
+) -> usize {
+    let exists = |i: usize| normals[i] != Vector3::zeros();
+    let mut forest = Forest::new(points.len(), neighbours, |i, j| {
+        (exists(i) && exists(j)).then(|| link([&points[i], &points[j]], [&normals[i], &normals[j]]))
+    });
+    let mut pieces: Vec<Option<Extremes>> = vec![None; points.len()];
+    let mut roots = Vec::new();
+    let taking_part: Vec<u32> =
+        (0u32..).zip(0..points.len()).filter(|&(_, i)| exists(i)).map(|(i, _)| i).collect();
+    for &i in &taking_part {
+        let (root, _) = forest.root_of(i);
+        let piece = &mut pieces[root as usize];
+        match piece {
+            Some(extremes) => extremes.widen(points, i),
+            None => {
+                *piece = Some(Extremes([i; 6]));
+                roots.push(root);
             }
         }
     }
-    best.map(|(_, top, outwards)| (top, outwards))
+    let mut turned = vec![false; points.len()];
+    for &root in &roots {
+        if let Some(extremes) = pieces[root as usize] {
+            let (top, is_inward) = extremes.inward(normals);
+            turned[root as usize] = is_inward ^ forest.root_of(top).1;
+        }
+    }
+    for &i in &taking_part {
+        let (root, opposite) = forest.root_of(i);
+        if turned[root as usize] ^ opposite {
+            normals[i as usize] = -normals[i as usize];
+        }
+    }
+    roots.len()
 }
+
+/// The outermost points along `x, −x, y, −y, z, −z`.
+#[derive(Clone, Copy)]
+struct Extremes([u32; 6]);
+
+impl Extremes {
+    fn widen(&mut self, points: &[Point3<f64>], i: u32) {
+        for (k, top) in self.0.iter_mut().enumerate() {
+            let height = |index: u32| points[index as usize][k / 2] * SIGNS[k % 2];
+            if height(i) > height(*top) {
+                *top = i;
+            }
+        }
+    }
+
+    /// The one whose normal lies most along its axis, and whether that normal points inwards.
+    fn inward(&self, normals: &[Vector3<f64>]) -> (u32, bool) {
+        let along = |k: usize| normals[self.0[k] as usize][k / 2] * SIGNS[k % 2];
+        let best = (1..6).fold(0, |best, k| if along(k).abs() > along(best).abs() { k } else { best });
+        (self.0[best], along(best) < 0.0)
+    }
+}
+
+/// Directions along an axis.
+const SIGNS: [f64; 2] = [1.0, -1.0];
