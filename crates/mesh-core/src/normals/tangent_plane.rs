@@ -54,7 +54,8 @@ fn closed_form(matrix: &Matrix3<f64>) -> Option<([f64; 3], Vector3<f64>)> {
     let least = mean + 2.0 * scale * (third + std::f64::consts::TAU / 3.0).cos();
     let middle = 3.0 * mean - most - least;
     // Not for NaN either.
-    if !(middle - least > APART * most) {
+    let is_apart = middle - least > APART * most;
+    if !is_apart {
         return None;
     }
     // The rows of the matrix without its least eigenvalue are normal to the axis.
