@@ -16,7 +16,7 @@ const SMALLEST: usize = 16;
 /// How many parameters are grouped at a time for a shape with so many control points: several for each
 /// patch, but few enough that their results, which are not written in order, stay in the caches.
 fn chunk_length(control_points: usize) -> usize {
-    (4 * control_points).clamp(1 << 12, 1 << 13)
+    (16 * control_points).clamp(1 << 12, 1 << 16)
 }
 
 fn check_lengths(parameters: usize, results: usize) -> Result<(), Error> {
