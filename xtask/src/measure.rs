@@ -140,6 +140,18 @@ const MEASUREMENTS: &[Measurement] = &[
         one_thread: true,
     },
     Measurement {
+        name: "scans",
+        title: "Clouds without parameters to surfaces",
+        about: "From the cloud alone, with nets of the sizes of [MPK, Figs. 7-9] for clouds of that kind. Wanted: no loops, no crossovers and no \
+                folds, the finish below the least squares surface, at most .11 for the trunk of the bunny; 64,000 points in 10 s. The \
+                blade stands on its platform, which no surface around its axis follows: its base surface is no success, and said so.",
+        package: "industrial-geometry",
+        features: "",
+        example: "scans",
+        arguments: &[],
+        one_thread: false,
+    },
+    Measurement {
         name: "hidden-points",
         title: "Hidden points against rays",
         about: "On samples of a mesh, seen from three directions and three places; the default is Automatic(0.72). Wanted: at 35,000 and \

@@ -10,12 +10,12 @@ const ROUNDS: usize = 40;
 const BACK: f64 = 0.34;
 
 /// The surface `to` with control points moved back towards those of `from`, which has the same knots, around the cells in
-/// which it folds, and the share of the way that they were moved on average; `None` if that leaves more folds than `from` has.
+/// which it folds, and the share of the way that they were moved on average; `None` if that leaves more folds than are allowed.
 pub(super) fn eased(
     from: &BsplineSurface,
     to: &BsplineSurface,
+    allowed: usize,
 ) -> Result<Option<(BsplineSurface, f64)>, Error> {
-    let allowed = Folds::of(from).count();
     let (m, n) = (to.knots_u().distinct_count(), to.knots_v().distinct_count());
     let (n_u, n_v) = (to.n_u(), to.n_v());
     let closed = [to.knots_u().is_periodic(), to.knots_v().is_periodic()];

@@ -7,22 +7,29 @@ use footpoint::{ProjectionOptions, SurfaceProjector};
 use nalgebra::Vector3;
 use nurbs_core::BsplineSurface;
 use sdm_fit::{
-    Folds, Progress, Smoothing, Status, SurfaceOptions, SurfaceReport, fit_surface_with_progress, no_progress,
+    Folds, Progress, Smoothing, Status, StepRecord, SurfaceOptions, SurfaceReport, fit_surface_with_progress,
+    no_progress,
 };
 
 /// Factor of the energy with which a finish begins: the surface is near the points, and more would draw it away from them.
 const SMOOTHING: f64 = 1e-6;
-const ITERATIONS: usize = 30;
+const ITERATIONS: usize = 15;
 /// Damping of motions, most of them within the tangent planes, where nothing folds.
 const DAMPING: f64 = 1e-2;
-/// Iterations after which it is seen whether the surface folds; if so, what the damping is raised to, and the factor of the fairing.
-const TRIAL: usize = 5;
+/// Iterations after which it is seen whether the surface folds.
+const STAGE: usize = 5;
+/// A stage that lowers the distance by less than this share is the last.
+const SLOW: f64 = 0.01;
+/// Iterations after which the smoothing that the data ask for stays.
+const SETTLED: usize = 15;
+/// Where it folds, and control points have to be moved back by more than this share, what the damping is raised to, and the factor of the fairing.
+const MUCH: f64 = 0.05;
 const CAREFUL: f64 = 0.1;
 const LESS: f64 = 0.1;
 
 /// Options of squared distance minimisation for a surface that is near its points already: those of [`SurfaceOptions`], but
-/// motions are damped, the smoothing begins with little, 1e-6, and is then what the data ask for, and folds are left to [`finish_fit`],
-/// which knows a surface without them.
+/// motions are damped, the smoothing begins with little, 1e-6, and is then what the data ask for, there are at most 15 iterations, and
+/// folds are left to [`finish_fit`], which knows a surface without them.
 #[must_use]
 pub fn finish_options() -> SurfaceOptions {
     let defaults = SurfaceOptions::default();
@@ -31,37 +38,100 @@ pub fn finish_options() -> SurfaceOptions {
     defaults.with_unfoldings(0).with_fit(fit.with_max_iterations(ITERATIONS))
 }
 
-/// Minimises squared distances from a surface on. Where it folds after a few iterations, since the net does not resolve what the data
-/// show, it begins again, its motions more strongly damped.
+/// A surface that squared distance minimisation made, its folds smoothed away.
+struct Minimised {
+    surface: BsplineSurface,
+    report: SurfaceReport,
+    /// What was wrong with it before.
+    raw: SurfaceDefects,
+    /// Share of the way that control points were moved back, on average, most in one stage.
+    moved_back: f64,
+    /// Whether it folds, since easing failed.
+    is_folded: bool,
+}
+
+/// Minimises squared distances from a surface on, a few iterations at a time. Where the surface folds after these, since the net does not
+/// resolve what the data show, control points are moved back towards the surface before; if that is no nearer to the points, the
+/// iterations are made again, their motions more strongly damped, and if that does not help either it ends with the surface
+/// before.
 fn minimised(
     data: &[Vector3<f64>],
-    start: &BsplineSurface,
+    start: &SurfaceFit,
     options: &SurfaceOptions,
     progress: Progress<'_>,
-) -> Result<sdm_fit::SurfaceFit, Error> {
-    let steps = options.fit.max_iterations;
-    // With knots inserted, or with weights, a part of the way is no way.
-    if options.abs_tolerance.is_some() || options.rational || steps <= TRIAL {
-        return Ok(fit_surface_with_progress(data, start.clone(), options, progress)?);
+) -> Result<Minimised, Error> {
+    let defects = |surface: &BsplineSurface| SurfaceDefects::of(surface, None);
+    // With knots inserted, or with weights, a part of the way is no way, and there is none back.
+    if options.abs_tolerance.is_some() || options.rational {
+        let made = fit_surface_with_progress(data, start.surface.clone(), options, progress)?;
+        let (raw, before) = (defects(&made.surface), defects(&start.surface));
+        let is_folded = raw.crossovers > before.crossovers;
+        return Ok(Minimised { surface: made.surface, report: made.report, raw, moved_back: 0.0, is_folded });
     }
-    let trial = options.with_fit(options.fit.with_max_iterations(TRIAL));
-    let first = fit_surface_with_progress(data, start.clone(), &trial, progress)?;
-    if first.report.fit.status != Status::MaxIterations {
-        return Ok(first);
+    let allowed = Folds::of(&start.surface).count();
+    let (mut fit, mut surface, mut best_rms) = (options.fit, start.surface.clone(), start.rms);
+    let (mut history, mut moved_back, mut raw) = (Vec::new(), 0.0f64, None);
+    let mut first_rms = None;
+    loop {
+        let steps = STAGE.min(options.fit.max_iterations - history.len());
+        let stage = options.with_fit(fit.with_max_iterations(steps));
+        let before = history.len();
+        let numbered =
+            |step: &StepRecord| progress(&StepRecord { iteration: before + step.iteration, ..*step });
+        let made = fit_surface_with_progress(data, surface.clone(), &stage, &numbered)?;
+        let mut report = made.report;
+        let first_rms = *first_rms.get_or_insert(report.fit.initial_rms);
+        history.extend_from_slice(&report.fit.history);
+        let (status, lambda) = (report.fit.status, report.fit.lambda);
+        let mut next = Some((made.surface, report.fit.rms, 0.0));
+        if let Some((folded, ..)) = next.take_if(|(made, ..)| Folds::of(made).count() > allowed) {
+            raw = Some(defects(&folded));
+            next = eased(&surface, &folded, allowed)?.map(|(eased, back)| {
+                let distance = rms_from(data, &eased);
+                (eased, distance, back)
+            });
+        }
+        let is_nearer = next.take_if(|(_, distance, _)| *distance < best_rms);
+        let failed = is_nearer.is_none();
+        let back_much = is_nearer.as_ref().is_some_and(|(.., back)| *back > MUCH) && fit.damping < CAREFUL;
+        let is_slow = is_nearer.as_ref().is_some_and(|(_, distance, _)| *distance > best_rms * (1.0 - SLOW));
+        if let Some((made, distance, back)) = is_nearer {
+            (surface, best_rms, moved_back) = (made, distance, moved_back.max(back));
+        }
+        let is_careful = fit.damping >= CAREFUL;
+        let ends = status != Status::MaxIterations || history.len() >= options.fit.max_iterations;
+        if ends || is_slow || failed && is_careful {
+            (1..).zip(&mut history).for_each(|(number, step)| step.iteration = number);
+            report.fit.initial_rms = first_rms;
+            report.fit.rms = best_rms;
+            report.folds = Folds::of(&surface);
+            if is_slow {
+                report.fit.status = Status::Converged;
+            }
+            report.fit.history = history;
+            let raw = raw.unwrap_or_else(|| defects(&surface));
+            return Ok(Minimised { surface, report, raw, moved_back, is_folded: false });
+        }
+        if failed || back_much {
+            fit = fit.with_damping(CAREFUL).with_fairing(fit.fairing * LESS);
+        }
+        if !failed && let Smoothing::Automatic { factor, .. } = fit.smoothing {
+            let settled = history.len() >= SETTLED;
+            fit = fit.with_smoothing(if settled {
+                Smoothing::Fixed { lambda }
+            } else {
+                Smoothing::Automatic { start: lambda, factor }
+            });
+        }
     }
-    let fit = options.fit.with_max_iterations(steps - TRIAL);
-    let (from, fit) = if Folds::of(&first.surface).count() <= Folds::of(start).count() {
-        (first.surface, fit)
-    } else {
-        (start.clone(), fit.with_damping(fit.damping.max(CAREFUL)).with_fairing(fit.fairing * LESS))
-    };
-    let mut made = fit_surface_with_progress(data, from, &options.with_fit(fit), progress)?;
-    made.report.fit.initial_rms = first.report.fit.initial_rms;
-    let mut history = first.report.fit.history;
-    history.append(&mut made.report.fit.history);
-    (1..).zip(&mut history).for_each(|(number, step)| step.iteration = number);
-    made.report.fit.history = history;
-    Ok(made)
+}
+
+/// Root mean square orthogonal distance of points from a surface.
+fn rms_from(points: &[Vector3<f64>], surface: &BsplineSurface) -> f64 {
+    let projector = SurfaceProjector::new(surface);
+    let feet = projector.project_many(points, &ProjectionOptions::default(), &footpoint::no_progress);
+    let all: Vec<usize> = (0..points.len()).collect();
+    rms(&all, &feet)
 }
 
 /// Which surface a finish leaves.
@@ -120,8 +190,10 @@ pub struct FinishReport {
 /// Moves the control points of a fitted surface to where the orthogonal distances of the points that count are least, by squared
 /// distance minimisation ([`sdm_fit::fit_surface`]), which needs no parameters but begins with good ones. See [`finish_options`].
 ///
-/// The result is never worse than `fitted`: around places where the new surface folds, control points are moved back until it
-/// does not; if that fails, or the surface is no nearer to the points, `fitted` is returned as it is, and the report says so.
+/// Every five iterations it is seen whether the surface folds. If so, control points are moved back around these places, towards the
+/// surface of five iterations before, until it does not, and the minimisation goes on from there. It also ends, as converged, when
+/// five iterations lower the distance by less than 1 %. The result is never worse than `fitted`, which is returned as it is if
+/// nothing nearer to the points is found; the report says so.
 /// The history of the result is that of `fitted` with the new distance at its end.
 ///
 /// # Errors
@@ -155,27 +227,16 @@ pub fn finish_fit_with_progress(
     }
     let used: Vec<usize> = (0..points.len()).filter(|&i| counts[i]).collect();
     let data: Vec<Vector3<f64>> = used.iter().map(|&i| points[i]).collect();
-    let made = minimised(&data, &fitted.surface, options, progress)?;
+    let made = minimised(&data, &fitted, options, progress)?;
     let cancelled = made.report.fit.status == Status::Cancelled;
-    // With knots inserted, or with weights, there is no way back to the beginning.
-    let same_knots = made.surface.weights().is_none()
-        && made.surface.knots_u() == fitted.surface.knots_u()
-        && made.surface.knots_v() == fitted.surface.knots_v();
+    let Minimised { surface, moved_back, raw, is_folded, .. } = made;
     let defects = |surface: &BsplineSurface| SurfaceDefects::of(surface, None);
-    let (before, raw) = (defects(&fitted.surface), defects(&made.surface));
-    let eased = if !same_knots || raw.crossovers <= before.crossovers {
-        None
-    } else {
-        eased(&fitted.surface, &made.surface)?
-    };
-    let folds = raw.crossovers > before.crossovers && eased.is_none();
-    let (surface, moved_back) = eased.unwrap_or((made.surface, 0.0));
     let projector = SurfaceProjector::new(&surface);
     let feet = projector.project_many(points, &ProjectionOptions::default(), &footpoint::no_progress);
     let distance = rms(&used, &feet);
     let outcome = match () {
         () if cancelled => FinishOutcome::Cancelled,
-        () if folds => FinishOutcome::KeptSinceFolded,
+        () if is_folded => FinishOutcome::KeptSinceFolded,
         () if distance >= fitted.rms => FinishOutcome::KeptSinceNoNearer,
         () if moved_back > 0.0 => FinishOutcome::Eased,
         () => FinishOutcome::Finished,
@@ -183,7 +244,7 @@ pub fn finish_fit_with_progress(
     let report = FinishReport {
         outcome,
         rms: [fitted.rms, distance],
-        defects: [before, defects(&surface), raw],
+        defects: [defects(&fitted.surface), defects(&surface), raw],
         moved_back,
         minimisation: made.report,
     };
