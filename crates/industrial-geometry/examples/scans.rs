@@ -13,8 +13,9 @@
 use industrial_geometry::cloud_param::{
     FitOptions, ParameteriseOptions, Shape, finish_fit, finish_options, fit_parameters, parameterise,
 };
-use industrial_geometry::io::{self, ReadOptions};
+use industrial_geometry::io::{self, Content, ReadOptions};
 use industrial_geometry::mesh::nalgebra::Vector3;
+use industrial_geometry::mesh::sample_wide_triangles;
 use std::error::Error;
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -24,25 +25,29 @@ use std::time::Instant;
 struct Scan {
     name: String,
     points: Vec<Vector3<f64>>,
-    samples: usize,
-    layers: usize,
+    /// Samples of each base curve, and their number; `None` for as many as the cloud asks for.
+    base: Option<[usize; 2]>,
     controls: [usize; 2],
 }
 
 impl Scan {
-    fn read(
-        path: &Path,
-        [samples, layers]: [usize; 2],
-        controls: [usize; 2],
-    ) -> Result<Self, Box<dyn Error>> {
+    /// The points of a cloud, or the vertices of a mesh and points on triangles that are much larger than others.
+    fn read(path: &Path, base: Option<[usize; 2]>, controls: [usize; 2]) -> Result<Self, Box<dyn Error>> {
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let cloud = io::read_cloud(path, &ReadOptions::default())?;
-        let points = cloud.content.positions().iter().map(|p| p.coords).collect();
-        Ok(Self { name, points, samples, layers, controls })
+        let points = match io::read(path, &ReadOptions::default())?.content {
+            Content::Cloud(cloud) => cloud.positions().iter().map(|p| p.coords).collect(),
+            Content::Mesh(mesh) => {
+                let between = sample_wide_triangles(&mesh, 1)?;
+                let between = between.iter().map(|sample| sample.point.coords);
+                mesh.vertices().iter().map(|p| p.coords).chain(between).collect()
+            }
+            Content::Nurbs(_) => return Err(format!("{}: a model, not points", path.display()).into()),
+        };
+        Ok(Self { name, points, base, controls })
     }
 
     /// A vase with five lobes and noise, its points in no order.
-    fn vase(count: u32, [samples, layers]: [usize; 2], controls: [usize; 2]) -> Self {
+    fn vase(count: u32, base: [usize; 2], controls: [usize; 2]) -> Self {
         let mut state = 1u64;
         let mut random = || {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -57,13 +62,16 @@ impl Scan {
             Vector3::new(radius * a.cos() + noise(), radius * a.sin() + noise(), 240.0 * h + noise())
         };
         let points = (0..count).map(&mut point).collect();
-        Self { name: format!("vase, noise .15, {count}"), points, samples, layers, controls }
+        Self { name: format!("vase, noise .15, {count}"), points, base: Some(base), controls }
     }
 
     fn run(&self) -> Result<(), Box<dyn Error>> {
         let clock = Instant::now();
-        let options =
-            ParameteriseOptions::default().with_shape(Shape::Cylinder).with_grid(self.samples, self.layers);
+        let options = ParameteriseOptions::default().with_shape(Shape::Cylinder);
+        let options = match self.base {
+            Some([samples, layers]) => options.with_grid(samples, layers),
+            None => options,
+        };
         let found = parameterise(&self.points, &options)?;
         let base = clock.elapsed().as_secs_f64();
         let clock = Instant::now();
@@ -79,7 +87,7 @@ impl Scan {
             "{:22} {:6} {:>7} {:>6} {:7.3} {:7.3} {:7.3} {:7.3} {:7.3} {:>8} {:>8} {:>5} {:5.1} {:4.1} {:5.1}  {}, {}",
             self.name,
             self.points.len(),
-            format!("{}x{}", self.layers, self.samples),
+            format!("{}x{}", report.grid[1], report.grid[0]),
             format!("{}x{}", self.controls[0], self.controls[1]),
             report.curve_history.last().map_or(f64::NAN, |step| step.rms),
             report.rms,
@@ -107,12 +115,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         let &[samples, layers, n_u, n_v] = &sizes[..] else {
             return Err("give a file and four numbers: samples, layers, control points in u and in v".into());
         };
-        vec![Scan::read(Path::new(path), [samples, layers], [n_u, n_v])?]
+        vec![Scan::read(Path::new(path), Some([samples, layers]), [n_u, n_v])?]
     } else {
         vec![
-            Scan::read(&fixtures.join("fit-cases/c_bunny_trunk.xyz"), [110, 24], [30, 30])?,
-            Scan::read(&fixtures.join("scans/stud-bolt.ply"), [35, 43], [30, 60])?,
-            Scan::read(&fixtures.join("scans/engine-blade.ply"), [120, 37], [39, 39])?,
+            Scan::read(&fixtures.join("fit-cases/c_bunny_trunk.xyz"), Some([110, 24]), [30, 30])?,
+            Scan::read(&fixtures.join("scans/stud-bolt.ply"), Some([35, 43]), [30, 60])?,
+            Scan::read(&fixtures.join("scans/engine-blade.ply"), None, [39, 39])?,
             Scan::vase(28_000, [120, 37], [39, 39]),
             Scan::vase(64_000, [101, 51], [55, 55]),
         ]

@@ -35,6 +35,8 @@ fn cpu() -> f64 {
     nanoseconds.sum::<f64>() * 1e-9
 }
 
+/// Points and normals.
+type Cloud = (Vec<Point3<f64>>, Vec<Vector3<f64>>);
 type Outcome = Result<(), Box<dyn Error>>;
 /// Runs and prints what is called so.
 type Case<'a> = &'a dyn Fn(&str) -> Outcome;
@@ -107,7 +109,7 @@ fn surface(name: &str, count: usize, noise: f64, goal: f64) -> Outcome {
 }
 
 /// Points with normals of the surface to which the shipped mesh of the bunny converges when it is subdivided.
-fn bunny(count: usize, seed: u64) -> Result<(Vec<Point3<f64>>, Vec<Vector3<f64>>), Box<dyn Error>> {
+fn bunny(count: usize, seed: u64) -> Result<Cloud, Box<dyn Error>> {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/mesh/bunny.obj");
     let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
     for text in std::fs::read_to_string(path)?.lines() {
@@ -136,7 +138,7 @@ fn bunny(count: usize, seed: u64) -> Result<(Vec<Point3<f64>>, Vec<Vector3<f64>>
     Ok((jets.iter().map(|jet| jet.position).collect(), normals))
 }
 
-fn body(count: usize) -> [(Vec<Point3<f64>>, Vec<Vector3<f64>>); 2] {
+fn body(count: usize) -> [Cloud; 2] {
     let (mut random, body) = (bodies::Random(5), Bumpy::new());
     [(); 2].map(|()| {
         let (points, normals) = body.view(None, count, &mut random);
@@ -145,7 +147,7 @@ fn body(count: usize) -> [(Vec<Point3<f64>>, Vec<Vector3<f64>>); 2] {
 }
 
 /// The second cloud, displaced, to the first one, without and with normals; they sample the same surface.
-fn clouds(name: &str, [target, source]: &[(Vec<Point3<f64>>, Vec<Vector3<f64>>); 2], goal: f64) -> Outcome {
+fn clouds(name: &str, [target, source]: &[Cloud; 2], goal: f64) -> Outcome {
     // Shapes of any size are displaced as one of size 2 about their middle.
     let bounds = CloudField::new(&target.0, None)?.bounding_box();
     let size = 0.5 * bounds.diagonal();
