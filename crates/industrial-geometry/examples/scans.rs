@@ -84,7 +84,7 @@ impl Scan {
         let report = &found.report;
         let before = report.refine_history.last().map_or(report.defects, |step| step.defects);
         println!(
-            "{:22} {:6} {:>7} {:>6} {:7.3} {:7.3} {:7.3} {:7.3} {:7.3} {:>8} {:>8} {:>5} {:5.1} {:4.1} {:5.1}  {}, {}",
+            "{:22} {:6} {:>7} {:>6} {:7.3} {:7.4} {:7.4} {:7.4} {:7.3} {:>8} {:>8} {:>5} {:5.1} {:4.1} {:5.1}  {}, {}",
             self.name,
             self.points.len(),
             format!("{}x{}", report.grid[1], report.grid[0]),
