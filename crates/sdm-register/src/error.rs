@@ -23,7 +23,9 @@ pub enum Error {
         count: usize,
     },
     /// All points lie on one line (or are equal), so that no motion is determined.
-    #[error("the points lie on one line: width {width} at a length of {length}")]
+    #[error(
+        "the points lie on one line, {width} (rms) from it and {length} (rms) along it, and determine no motion: give points off the line"
+    )]
     Collinear {
         /// Root mean square distance from the line.
         width: f64,
