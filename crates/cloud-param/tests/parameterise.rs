@@ -5,13 +5,15 @@ mod common;
 use cloud_param::{
     Boundary, DirectedWeight, Error, FinishOutcome, FitOptions, Neighbourhood, ParameterStatus,
     ParameteriseOptions, RefineOptions, Shape, Stage, SurfaceDefects, dynamic_base_surface, finish_fit,
-    finish_options, fit_parameters, parameterise, parameterise_with_progress,
+    finish_fit_with_progress, finish_options, fit_parameters, parameterise, parameterise_with_progress,
 };
 use common::{noise, scattered, vase, vase_point};
 use footpoint::SurfaceProjector;
 use nalgebra::{Rotation3, Vector3};
 use nurbs_core::{BsplineCurve, ParameterMethod, ParametricSurface};
+use sdm_fit::StepRecord;
 use std::ops::ControlFlow;
+use std::sync::Mutex;
 
 fn find(points: &[Vector3<f64>]) -> Result<cloud_param::Parameterisation, Error> {
     parameterise(points, &ParameteriseOptions::default())
@@ -245,6 +247,32 @@ fn squared_distance_minimisation_finishes_a_fit() {
             && SurfaceDefects::of(&done.surface, None).is_none()
     );
     assert!(done.surface.knots_u().is_periodic());
+}
+
+#[test]
+fn a_finish_that_is_cancelled_keeps_the_fitted_surface() {
+    let points = vase(4000, 0.02);
+    let found = find(&points).unwrap();
+    let options = FitOptions { control_points: [16, 16], ..FitOptions::default() };
+    let fit = fit_parameters(&points, &found.base, &found.feet, &found.counts, &options).unwrap();
+    // In the first and in later stages, where little is gained any more.
+    for last in [1, 5, 6, 7] {
+        let steps = Mutex::new(Vec::new());
+        let progress = |step: &StepRecord| {
+            steps.lock().unwrap().push(step.iteration);
+            if step.iteration == last { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        let (done, report) =
+            finish_fit_with_progress(&points, &found.counts, fit.clone(), &finish_options(), &progress)
+                .unwrap();
+        let steps = steps.into_inner().unwrap();
+        assert!(steps.iter().copied().eq(1..=steps.len()), "{steps:?}");
+        if steps.contains(&last) {
+            assert_eq!((report.outcome, done.rms), (FinishOutcome::Cancelled, fit.rms), "{last}");
+        } else {
+            assert!(last > 5 && report.outcome.is_new(), "{last}");
+        }
+    }
 }
 
 #[test]

@@ -105,7 +105,8 @@ fn minimised(
             report.fit.initial_rms = first_rms;
             report.fit.rms = best_rms;
             report.folds = Folds::of(&surface);
-            if is_slow {
+            // What was cancelled, or went wrong, stays so.
+            if is_slow && status == Status::MaxIterations {
                 report.fit.status = Status::Converged;
             }
             report.fit.history = history;
@@ -141,7 +142,7 @@ fn rms_from(points: &[Vector3<f64>], surface: &BsplineSurface) -> f64 {
 pub enum FinishOutcome {
     /// The one that squared distance minimisation made: nearer to the points, and without folds.
     Finished,
-    /// The same with control points moved back to where they began, in part, around places where it folded.
+    /// The same with control points moved back, in part, to where they were some iterations before, around places where it folded.
     Eased,
     /// The one that it began with, since what it made folds in many places.
     KeptSinceFolded,
@@ -181,7 +182,7 @@ pub struct FinishReport {
     pub rms: [f64; 2],
     /// What is wrong with the surface before and after, and with what the minimisation made.
     pub defects: [SurfaceDefects; 3],
-    /// Share of the way that control points were moved back, on average over all.
+    /// Share of the way of some iterations that control points were moved back, on average over all; the largest one.
     pub moved_back: f64,
     /// What the minimisation reports.
     pub minimisation: SurfaceReport,
