@@ -1,6 +1,6 @@
 //! The distance from the surface that a dense cloud of points samples.
 
-use crate::local_geometry::{of_point, of_principal};
+use crate::cloud_site::{Around, Site};
 use crate::osculating::frame_nearby;
 use crate::{DistanceField, Error, Hint, PrincipalFrame, Search, parallel};
 use footpoint::Status;
@@ -73,47 +73,9 @@ pub struct CloudField {
     centre: Vector3<f64>,
     /// The points; apart from the rest, since most that are looked at are not the nearest.
     points: Vec<Point3<f64>>,
-    /// One per point; `None` for a point that is not finite.
-    around: Vec<Option<Around>>,
-    /// One per point; unusable where the point is not finite.
-    patches: Vec<Patch>,
+    /// One per point.
+    sites: Vec<Site>,
     bounds: Aabb<3>,
-}
-
-/// Neighbours of a point that are kept: enough for most queries within the spacing.
-const KEPT: usize = 12;
-
-/// Points around one point, itself included.
-#[derive(Clone, Copy, Debug)]
-struct Around {
-    /// The nearest ones; where there are fewer, the last one again.
-    indices: [u32; KEPT],
-    /// All points nearer than this are among them.
-    radius: f64,
-    /// Distance of the points from each other.
-    spacing: f64,
-}
-
-impl Around {
-    fn new(near: &[Neighbour]) -> Option<Self> {
-        let last = near.get(..KEPT).unwrap_or(near).last()?;
-        let mut indices = [0; KEPT];
-        for (k, index) in indices.iter_mut().enumerate() {
-            *index = u32::try_from(near.get(k).unwrap_or(last).index).ok()?;
-        }
-        let radius = if near.len() > KEPT { last.distance() } else { 0.0 };
-        Some(Self { indices, radius, spacing: spacing(near) })
-    }
-}
-
-/// The surface around one point.
-#[derive(Clone, Copy, Debug)]
-struct Patch {
-    /// `None` where the neighbours span no plane.
-    frame: Option<CurvatureFrame>,
-    /// Distance of the points from each other.
-    spacing: f64,
-    border: bool,
 }
 
 impl CloudField {
@@ -146,26 +108,21 @@ impl CloudField {
         let index = CloudIndex::new(&local)?;
         let frames =
             FrameOptions { neighbours: options.neighbours, looked_at: RING, curvature: options.curvature };
-        let (frames, looks) =
+        let (frames, around) =
             estimate_frames(&index, &local, normals.as_deref(), &frames, |i, near, frame| {
                 let near = &near[..near.len().min(RING)];
                 let border = frame.is_none_or(|frame| is_border(&local, i, near, frame));
-                (border, Around::new(near))
+                Around::new(near, border, frame.is_some())
             })?;
-        let patches = (frames.into_iter().zip(&looks)).map(|(frame, &(border, around))| Patch {
-            frame,
-            border,
-            spacing: around.map_or(0.0, |a| a.spacing),
-        });
-        let patches = patches.collect();
-        let around = looks.into_iter().map(|(_, around)| around).collect();
-        Ok(Self { index, centre, points: local, around, patches, bounds })
+        let sites =
+            frames.iter().zip(around).map(|(frame, around)| Site::new(around, frame.as_ref())).collect();
+        Ok(Self { index, centre, points: local, sites, bounds })
     }
 
     /// Number of points at the border of the cloud, or where the neighbours span no surface.
     #[must_use]
     pub fn border_count(&self) -> usize {
-        self.patches.iter().filter(|patch| patch.border).count()
+        self.sites.iter().filter(|site| site.around.border).count()
     }
 }
 
@@ -176,11 +133,6 @@ fn sorted(normals: &[Vector3<f64>], order: &[u32]) -> Result<Vec<Vector3<f64>>, 
         return Err(mesh_core::Error::AttributeLength { name, found, expected }.into());
     }
     Ok(order.iter().map(|&i| normals[i as usize]).collect())
-}
-
-/// The distance within which a point has some six neighbours.
-fn spacing(near: &[Neighbour]) -> f64 {
-    near.get(6).or(near.last()).map_or(0.0, Neighbour::distance)
 }
 
 /// Whether the neighbours leave a large angle of the tangent plane free.
@@ -234,35 +186,18 @@ impl CloudField {
     /// The point nearest to `x`, which is relative to the centre; the search is shorter if one of the guesses is near.
     fn nearest(&self, x: &Vector3<f64>, guesses: [Option<usize>; 2]) -> Option<usize> {
         let mut close = guesses.into_iter().flatten().filter_map(|i| {
-            let around = self.around[i].as_ref()?;
+            let around = &self.sites[i].around;
             let distance = (x - self.points[i].coords).norm();
             (distance <= CLOSE * around.spacing).then_some((around, distance))
         });
         let found = close.next().and_then(|(around, distance)| {
-            self.among(around, x, distance).or_else(|| {
+            around.nearest(&self.points, x, distance).or_else(|| {
                 // A little more, for what rounding takes from the distance.
                 let near = self.index.nearest_within(&Point3::from(*x), distance * (1.0 + 1e-9));
                 near.map(|near| near.index)
             })
         });
         found.or_else(|| self.index.nearest(&Point3::from(*x)).map(|near| near.index))
-    }
-
-    /// The point nearest to `x` among those around a point at this distance, if it is surely the nearest of all.
-    fn among(&self, around: &Around, x: &Vector3<f64>, distance: f64) -> Option<usize> {
-        // Nearer points lie within twice the distance.
-        if 2.0 * distance * (1.0 + 1e-9) >= around.radius {
-            return None;
-        }
-        let squared = |index: u32| {
-            let d = x - self.points[index as usize].coords;
-            d.x * d.x + d.y * d.y + d.z * d.z
-        };
-        let nearest = around.indices.map(|index| (squared(index), index)).into_iter();
-        let nearest = nearest.reduce(|best, other| {
-            if other.0 < best.0 || other.0 == best.0 && other.1 < best.1 { other } else { best }
-        });
-        nearest.map(|(_, index)| index as usize)
     }
 
     /// The frame of a query; which points may be near it does not change the frame.
@@ -274,23 +209,20 @@ impl CloudField {
         let Some(nearest) = self.nearest(&x, guesses) else {
             return PrincipalFrame::invalid(Status::Diverged);
         };
-        let (patch, point) = (&self.patches[nearest], self.points[nearest].coords);
-        let geometry = match &patch.frame {
-            Some(frame) => of_principal(&frame.directions, &frame.normal, frame.curvatures, 0.0),
-            None => of_point(&(x - point), None),
-        };
+        let (site, point) = (&self.sites[nearest], self.points[nearest].coords);
+        let (around, geometry) = (&site.around, site.geometry(&(x - point)));
         let at_point = PrincipalFrame {
             foot: point,
             axes: geometry.axes,
             curvatures: geometry.curvatures,
             tangent_dimension: geometry.tangent_dimension,
             distance: 0.0,
-            on_boundary: patch.border,
+            on_boundary: around.border,
             hint: Hint::new(nearest, [0.0; 2]),
-            status: if patch.border { Status::OnBoundary } else { Status::Converged },
+            status: if around.border { Status::OnBoundary } else { Status::Converged },
         };
         // At the border the foot does not leave the cloud.
-        let reach = if patch.border { 0.5 } else { REACH } * patch.spacing;
+        let reach = if around.border { 0.5 } else { REACH } * around.spacing;
         let mut frame = frame_nearby(&at_point, &x, reach);
         frame.foot += self.centre;
         frame
@@ -298,7 +230,7 @@ impl CloudField {
 
     /// The point that a hint names, unless the search is global.
     fn hinted(&self, search: Search, hint: &Hint) -> Option<usize> {
-        hint.element_below(self.patches.len()).filter(|_| search != Search::Global)
+        hint.element_below(self.sites.len()).filter(|_| search != Search::Global)
     }
 }
 
@@ -315,7 +247,7 @@ impl DistanceField<3> for CloudField {
             |before, i| {
                 let hinted = hints.get(i).and_then(|hint| self.hinted(search, hint));
                 let frame = self.frame_from(&points[i], [hinted, *before]);
-                *before = frame.hint.element_below(self.patches.len());
+                *before = frame.hint.element_below(self.sites.len());
                 frame
             },
         )

@@ -51,6 +51,7 @@
 mod analytic;
 mod borders;
 mod cloud;
+mod cloud_site;
 mod curve;
 mod curve_ends;
 mod d2_tree;

@@ -37,12 +37,10 @@ pub(crate) fn frame_nearby<const D: usize>(
     let mut out = PrincipalFrame { foot, ..*frame };
     if count == last {
         // A hypersurface: its normal has turned.
-        let mut slope = normal;
-        for i in 0..count {
-            slope -= frame.axes.column(i) * (frame.curvatures[i] * place[i]);
-        }
-        let turned = slope.normalize();
-        out.axes = turned_axes(&frame.axes, &turned);
+        let slopes =
+            SVector::<f64, D>::from_fn(|i, _| if i < last { frame.curvatures[i] * place[i] } else { 0.0 });
+        out.axes = turned_axes(&frame.axes, &slopes);
+        let turned = out.axes.column(last);
         out.distance = residual.dot(&turned);
     } else {
         let geometry = if count == 0 {
@@ -59,18 +57,48 @@ pub(crate) fn frame_nearby<const D: usize>(
     out
 }
 
-/// The axes made normal to a last axis that has turned a little.
-fn turned_axes<const D: usize>(axes: &SMatrix<f64, D, D>, normal: &SVector<f64, D>) -> SMatrix<f64, D, D> {
+/// The axes of a graph over the first ones where it has these slopes (the last of them 0): the last one is the normal, the
+/// others are turned as little as possible, the first before the second.
+fn turned_axes<const D: usize>(axes: &SMatrix<f64, D, D>, slopes: &SVector<f64, D>) -> SMatrix<f64, D, D> {
     let mut out = *axes;
-    out.set_column(D - 1, normal);
-    for i in 0..D - 1 {
-        let mut axis = axes.column(i).into_owned();
-        axis -= normal * normal.dot(&axis);
-        for j in 0..i {
-            let other = out.column(j).into_owned();
-            axis -= other * other.dot(&axis);
+    let along = axes.column(D - 1) - axes * slopes;
+    let squared = 1.0 + slopes.norm_squared();
+    let normal = along / squared.sqrt();
+    out.set_column(D - 1, &normal);
+    // In the plane and in space, where frames are used.
+    if D == 2 || D == 3 {
+        // The part of the first axis along the normal is known, and so is the length of what it leaves.
+        let slope = slopes[0];
+        let first = axes.column(0) + along * (slope / squared);
+        let first = first / (1.0 - slope * slope / squared).sqrt();
+        out.set_column(0, &first);
+        if D == 3 {
+            for i in 0..3 {
+                let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+                out[(i, 1)] = normal[j] * first[k] - normal[k] * first[j];
+            }
         }
-        out.set_column(i, &axis.normalize());
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
+
+    #[test]
+    fn turned_axes_stay_orthonormal_and_end_with_the_normal() {
+        let axes = *nalgebra::Rotation3::from_euler_angles(0.3, -0.7, 1.1).matrix();
+        for slopes in [Vector3::zeros(), Vector3::new(0.2, -0.4, 0.0), Vector3::new(-3.0, 5.0, 0.0)] {
+            let turned = turned_axes(&axes, &slopes);
+            assert!((turned.tr_mul(&turned) - Matrix3::identity()).norm() < 1e-14);
+            let normal = (axes.column(2) - axes.column(0) * slopes.x - axes.column(1) * slopes.y).normalize();
+            assert!((turned.column(2) - normal).norm() < 1e-15 && turned.determinant() > 0.0);
+            // The first axis leaves the plane of the old one and the normal in no other direction.
+            assert!(turned.column(0).dot(&normal.cross(&axes.column(0))).abs() < 1e-14);
+        }
+        let turned = turned_axes(&Matrix2::identity(), &Vector2::new(0.75, 0.0));
+        assert!((turned - Matrix2::new(0.8, -0.6, 0.6, 0.8)).norm() < 1e-15);
+    }
 }

@@ -268,7 +268,7 @@ fn sort(neighbours: &mut [Neighbour]) {
 
 fn by_distance(one: &Neighbour, other: &Neighbour) -> Ordering {
     // Bits of numbers that are not negative are in the order of the numbers.
-    let key = |near: &Neighbour| (near.distance_sq.to_bits(), near.index);
+    let key = |near: &Neighbour| u128::from(near.distance_sq.to_bits()) << 64 | near.index as u128;
     key(one).cmp(&key(other))
 }
 

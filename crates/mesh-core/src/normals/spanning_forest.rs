@@ -10,7 +10,10 @@ const CLASSES: usize = 1024;
 /// The first `degree` neighbours of point `i`, without itself.
 pub(crate) fn links(i: usize, near: &[Neighbour], degree: usize) -> Vec<u32> {
     let others = near.iter().map(|neighbour| neighbour.index).filter(|&index| index != i);
-    others.take(degree).filter_map(|index| u32::try_from(index).ok()).collect()
+    // There are many such lists: each is allocated once.
+    let mut list = Vec::with_capacity(degree.min(near.len()));
+    list.extend(others.take(degree).filter_map(|index| u32::try_from(index).ok()));
+    list
 }
 
 /// A link between two neighbours.
