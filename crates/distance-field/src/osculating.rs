@@ -61,22 +61,24 @@ pub(crate) fn frame_nearby<const D: usize>(
 /// others are turned as little as possible, the first before the second.
 fn turned_axes<const D: usize>(axes: &SMatrix<f64, D, D>, slopes: &SVector<f64, D>) -> SMatrix<f64, D, D> {
     let mut out = *axes;
-    let along = axes.column(D - 1) - axes * slopes;
-    let squared = 1.0 + slopes.norm_squared();
-    let normal = along / squared.sqrt();
+    // The normal without its part along the first axis; sums of squares alone, so that steep slopes leave no rounding.
+    let slope = slopes[0];
+    let mut others = *slopes;
+    others[0] = 0.0;
+    let across = axes.column(D - 1) - axes * others;
+    let flat = 1.0 + others.norm_squared();
+    let squared = flat + slope * slope;
+    let normal = (across - axes.column(0) * slope) / squared.sqrt();
     out.set_column(D - 1, &normal);
-    // In the plane and in space, where frames are used.
-    if D == 2 || D == 3 {
-        // The part of the first axis along the normal is known, and so is the length of what it leaves.
-        let slope = slopes[0];
-        let first = axes.column(0) + along * (slope / squared);
-        let first = first / (1.0 - slope * slope / squared).sqrt();
+    if D > 1 {
+        let first = (axes.column(0) * flat + across * slope) / (flat * squared).sqrt();
         out.set_column(0, &first);
-        if D == 3 {
-            for i in 0..3 {
-                let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-                out[(i, 1)] = normal[j] * first[k] - normal[k] * first[j];
-            }
+    }
+    if D == 3 {
+        let first = out.column(0).into_owned();
+        for i in 0..3 {
+            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+            out[(i, 1)] = normal[j] * first[k] - normal[k] * first[j];
         }
     }
     out
@@ -90,7 +92,12 @@ mod tests {
     #[test]
     fn turned_axes_stay_orthonormal_and_end_with_the_normal() {
         let axes = *nalgebra::Rotation3::from_euler_angles(0.3, -0.7, 1.1).matrix();
-        for slopes in [Vector3::zeros(), Vector3::new(0.2, -0.4, 0.0), Vector3::new(-3.0, 5.0, 0.0)] {
+        for slopes in [
+            Vector3::zeros(),
+            Vector3::new(0.2, -0.4, 0.0),
+            Vector3::new(-3.0, 5.0, 0.0),
+            Vector3::new(1e9, -2e3, 0.0),
+        ] {
             let turned = turned_axes(&axes, &slopes);
             assert!((turned.tr_mul(&turned) - Matrix3::identity()).norm() < 1e-14);
             let normal = (axes.column(2) - axes.column(0) * slopes.x - axes.column(1) * slopes.y).normalize();
