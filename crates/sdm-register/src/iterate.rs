@@ -258,7 +258,7 @@ impl<const D: usize> Run<'_, D> {
             // Nothing lowers the cost: at a minimum its slope is rounding only.
             let spectrum = models.newton.as_ref().map_or(&models.linear, |n| &n.1);
             let step = models.scaled.step(spectrum, 0.0);
-            let small = self.motion(&models, &step) <= ROUNDING;
+            let small = self.motion(&models, &step) <= ROUNDING.max(self.tolerance());
             return ControlFlow::Break(if small { Status::Converged } else { Status::Stalled });
         };
         self.judge_newton(&models, &trial);
@@ -422,8 +422,12 @@ impl<const D: usize> Run<'_, D> {
                         self.damping = if self.damping > DAMPING[0] { self.damping * 0.1 } else { 0.0 };
                         return Some(trial);
                     }
+                    // Where not even the whole step would be worth making, no shorter one is looked for.
+                    let is_short = self.damping == 0.0 && trial.motion <= self.tolerance();
                     self.damping = (self.damping * 10.0).max(DAMPING[0]);
-                    if self.damping > DAMPING[1] || newton.is_some() && self.stage.method == Method::Adaptive
+                    if is_short
+                        || self.damping > DAMPING[1]
+                        || newton.is_some() && self.stage.method == Method::Adaptive
                     {
                         return None;
                     }

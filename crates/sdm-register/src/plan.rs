@@ -8,7 +8,7 @@ use crate::view::View;
 use crate::weights::{Kernel, Outliers, Rule, Weighting};
 use crate::{Method, Pose, Status};
 use distance_field::Spread;
-use std::borrow::Cow;
+use std::rc::Rc;
 
 /// What may be left of the motion in a stage that only has to come near, as a share of the size of the cloud.
 const COARSE: f64 = 1e-4;
@@ -36,8 +36,9 @@ enum Last {
 /// The stages of one registration and what they did.
 pub(crate) struct Plan<'a, const D: usize> {
     problem: &'a Problem<'a, D>,
-    cloud: &'a Prepared<D>,
-    coarse: Cow<'a, Prepared<D>>,
+    cloud: Rc<Prepared<D>>,
+    /// Some of the points; all of them where they are few.
+    coarse: Rc<Prepared<D>>,
     /// Share of the largest eigenvalue up to which a motion is not made.
     null_tolerance: f64,
     /// The rule of the last stage.
@@ -47,9 +48,10 @@ pub(crate) struct Plan<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> Plan<'a, D> {
-    pub(crate) fn new(problem: &'a Problem<'a, D>, cloud: &'a Prepared<D>) -> Self {
+    pub(crate) fn new(problem: &'a Problem<'a, D>, cloud: Prepared<D>) -> Self {
         let step = cloud.points.len() / problem.options.coarse_points.max(1);
-        let coarse = if step >= 2 { Cow::Owned(cloud.thinned(step)) } else { Cow::Borrowed(cloud) };
+        let cloud = Rc::new(cloud);
+        let coarse = if step >= 2 { Rc::new(cloud.thinned(step)) } else { Rc::clone(&cloud) };
         let null_tolerance = problem.options.null_tolerance;
         let last = Last::Fit(Rule::Fixed(Weighting::SQUARES));
         Self { problem, cloud, coarse, null_tolerance, last, history: History::new(), evaluations: 0 }
@@ -60,8 +62,13 @@ impl<'a, const D: usize> Plan<'a, D> {
         &self.coarse
     }
 
+    /// The points of a view: a run that was cancelled ends with the coarse ones.
+    pub(crate) fn seen_by(&self, view: &View<D>) -> &Prepared<D> {
+        if view.frames.len() == self.cloud.points.len() { &self.cloud } else { &self.coarse }
+    }
+
     fn is_thinned(&self) -> bool {
-        matches!(self.coarse, Cow::Owned(_))
+        !Rc::ptr_eq(&self.coarse, &self.cloud)
     }
 
     /// The coarse points in the starting pose.
@@ -91,18 +98,18 @@ impl<'a, const D: usize> Plan<'a, D> {
         if !outcome.status.is_converged() || outcome.view.frames.len() != self.cloud.points.len() {
             return outcome;
         }
-        let fields = self.problem.free_fields(&outcome, self.cloud);
+        let fields = self.problem.free_fields(&outcome, &self.cloud);
         let Some(pose) = slide_back(&self.cloud.points, &outcome.view.pose, start, &fields) else {
             return outcome;
         };
         let pose = self.problem.chart.held(&pose);
         self.evaluations += 1;
-        let view = self.problem.view(self.cloud, pose);
+        let view = self.problem.view(&self.cloud, pose);
         // The motions that were undone are not made again.
         let given = self.null_tolerance;
         self.null_tolerance = given.max(HARDLY_FIXED);
         let other = match self.last {
-            Last::Fit(rule) => self.go(&self.stage("fit", self.cloud, rule), view),
+            Last::Fit(rule) => self.fit_all(view, rule),
             Last::Cut => self.cut(view),
         };
         self.null_tolerance = given;
@@ -138,28 +145,38 @@ impl<'a, const D: usize> Plan<'a, D> {
         outcome
     }
 
+    /// The stage that fits all points by one rule.
+    fn fit_all(&mut self, view: View<D>, rule: Rule) -> Outcome<D> {
+        let cloud = Rc::clone(&self.cloud);
+        self.go(&self.stage("fit", &cloud, rule), view)
+    }
+
     /// From the coarse points to all of them.
     fn all_points(&mut self, outcome: Outcome<D>) -> View<D> {
         if !self.is_thinned() {
             return outcome.view;
         }
         self.evaluations += 1;
-        self.problem.view(self.cloud, outcome.view.pose)
+        let view = self.problem.view(&self.cloud, outcome.view.pose);
+        let Some(order) = view.order_of_feet() else { return view };
+        // From now on all points are looked at again and again: so what is kept of the shape is read from one end to the other.
+        self.cloud = Rc::new(self.cloud.picked(&order));
+        view.picked(&order)
     }
 
     /// One rule for all: the coarse points, then all.
     fn fit(&mut self, view: View<D>, rule: Rule) -> Outcome<D> {
         self.last = Last::Fit(rule);
         if !self.is_thinned() {
-            return self.go(&self.stage("fit", self.cloud, rule), view);
+            return self.fit_all(view, rule);
         }
-        let coarse = self.coarse.clone();
+        let coarse = Rc::clone(&self.coarse);
         let near = self.go(&Stage { tolerance: COARSE, ..self.stage("coarse", &coarse, rule) }, view);
         if near.status == Status::Cancelled {
             return near;
         }
         let view = self.all_points(near);
-        self.go(&self.stage("fit", self.cloud, rule), view)
+        self.fit_all(view, rule)
     }
 
     /// The limits of the options, one after the other, and then the estimated noise, on the coarse points.
@@ -168,7 +185,7 @@ impl<'a, const D: usize> Plan<'a, D> {
     /// shape is only a part of what was scanned, but leads back a cloud that has slid off the shape: they are left out from
     /// the limit with the index `boundary_from` on.
     fn narrow(&mut self, view: View<D>, kernel: Kernel, boundary_from: usize) -> Outcome<D> {
-        let coarse = self.coarse.clone();
+        let coarse = Rc::clone(&self.coarse);
         let size = coarse.diagonal * view.pose.scale;
         let mut view = view;
         let given = self.problem.options.rejection;
@@ -229,7 +246,7 @@ impl<'a, const D: usize> Plan<'a, D> {
             return near;
         }
         let view = self.all_points(near);
-        let base = view.base_weights(self.cloud, &self.problem.options.rejection);
+        let base = view.base_weights(&self.cloud, &self.problem.options.rejection);
         let size = self.cloud.diagonal * view.pose.scale;
         let limit = self.problem.options.limits[2] * size;
         let estimated = Rule::Estimated { kernel, limit, floor: NOISE_FLOOR * size };
@@ -237,11 +254,11 @@ impl<'a, const D: usize> Plan<'a, D> {
         let scale = scale.unwrap_or(limit);
         let rule = Rule::Fixed(Weighting::Kernel { kernel, scale });
         self.last = Last::Fit(rule);
-        self.go(&self.stage("fit", self.cloud, rule), view)
+        self.fit_all(view, rule)
     }
 
     fn automatic(&mut self, start: View<D>) -> Outcome<D> {
-        let coarse = self.coarse.clone();
+        let coarse = Rc::clone(&self.coarse);
         let squares = Rule::Fixed(Weighting::SQUARES);
         let tolerance = if self.is_thinned() { COARSE } else { self.problem.options.tolerance };
         let stage = Stage { tolerance, ..self.stage("fit", &coarse, squares) };
@@ -266,8 +283,8 @@ impl<'a, const D: usize> Plan<'a, D> {
             return if evidence.outliers > 0 { self.cut(plain.view) } else { plain };
         }
         let view = self.all_points(plain);
-        let fit = self.go(&self.stage("fit", self.cloud, squares), view);
-        if fit.status == Status::Cancelled || Evidence::of(&fit, self.cloud).outliers == 0 {
+        let fit = self.fit_all(view, squares);
+        if fit.status == Status::Cancelled || Evidence::of(&fit, &self.cloud).outliers == 0 {
             return fit;
         }
         self.cut(fit.view)
@@ -280,9 +297,9 @@ impl<'a, const D: usize> Plan<'a, D> {
         self.last = Last::Cut;
         let size = self.cloud.diagonal * view.pose.scale;
         let rejection = self.problem.options.rejection.with_boundary(true);
-        let cloud = self.cloud;
+        let cloud = Rc::clone(&self.cloud);
         let judge = |view: &View<D>| {
-            let base = view.base_weights(cloud, &rejection);
+            let base = view.base_weights(&cloud, &rejection);
             let limit = (CUT * Spread::of(&mut view.distances(&base), CUT).sigma).max(NOISE_FLOOR * size);
             (base, limit)
         };
@@ -291,7 +308,7 @@ impl<'a, const D: usize> Plan<'a, D> {
         let mut repetition = 0;
         loop {
             let rule = Rule::Fixed(Weighting::Cut { limit: distance });
-            let stage = Stage { rejection, holds_rejection: true, ..self.stage("inliers", cloud, rule) };
+            let stage = Stage { rejection, holds_rejection: true, ..self.stage("inliers", &cloud, rule) };
             let outcome = self.problem.run(&stage, view, &mut self.history);
             self.evaluations += outcome.evaluations;
             let (base, next) = judge(&outcome.view);

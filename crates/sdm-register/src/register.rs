@@ -47,19 +47,19 @@ pub fn register_with_progress<const D: usize>(
         return Err(Error::NotAMotion { deviation: f64::NAN });
     }
     let start = start.with_source_origin(cloud.centre);
+    let (dropped, taking_part) = (cloud.dropped, cloud.points.len());
     let chart = Chart::new(options.locks, options.scale, start);
     let problem = Problem { field, chart: &chart, options, progress };
-    let mut plan = Plan::new(&problem, &cloud);
+    let mut plan = Plan::new(&problem, cloud);
     let view = plan.first_view(start);
     if view.frames.iter().all(|frame| !frame.is_finite()) {
-        return Err(Error::EmptyModel { points: cloud.points.len() });
+        return Err(Error::EmptyModel { points: taking_part });
     }
     let base = view.base_weights(plan.coarse(), &options.rejection);
     let initial_rms = view.rms(&base, &Weighting::SQUARES).0;
     let outcome = plan.run(view);
     let (rms, used) = outcome.view.rms(&outcome.base, &outcome.weighting);
-    let on = if outcome.view.frames.len() == cloud.points.len() { &cloud } else { plan.coarse() };
-    let (covariance, free_motions) = problem.analyse(&outcome, on, rms);
+    let (covariance, free_motions) = problem.analyse(&outcome, plan.seen_by(&outcome.view), rms);
     Ok(RegisterReport {
         covariance,
         free_motions,
@@ -70,7 +70,7 @@ pub fn register_with_progress<const D: usize>(
         iterations: plan.history.len(),
         evaluations: plan.evaluations,
         points: source.points.len(),
-        dropped: cloud.dropped,
+        dropped,
         used,
         limit: outcome.weighting.scale(),
         history: plan.history,

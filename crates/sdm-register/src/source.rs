@@ -112,13 +112,18 @@ impl<const D: usize> Prepared<D> {
         let pick: Vec<usize> = (0..self.points.len().div_ceil(step))
             .map(|k| (k * step + scrambled(k) % step).min(self.points.len() - 1))
             .collect();
+        self.picked(&pick)
+    }
+
+    /// Some of the points, or all, in another order.
+    pub(crate) fn picked(&self, pick: &[usize]) -> Self {
         fn at<T: Copy>(values: &[T], pick: &[usize]) -> Vec<T> {
             if values.is_empty() { Vec::new() } else { pick.iter().map(|&i| values[i]).collect() }
         }
         Self {
-            points: at(&self.points, &pick),
-            normals: at(&self.normals, &pick),
-            weights: at(&self.weights, &pick),
+            points: at(&self.points, pick),
+            normals: at(&self.normals, pick),
+            weights: at(&self.weights, pick),
             ..*self
         }
     }

@@ -45,6 +45,22 @@ impl<const D: usize> View<D> {
         Self { pose, frames: field.frames(&points, search, &hints) }
     }
 
+    /// The points in the order of the elements of the shape on which they have their feet; `None` if that is their order.
+    pub(crate) fn order_of_feet(&self) -> Option<Vec<usize>> {
+        let element = |i: &usize| self.frames[*i].hint.element;
+        let mut order: Vec<usize> = (0..self.frames.len()).collect();
+        if order.is_sorted_by_key(element) {
+            return None;
+        }
+        order.sort_unstable_by_key(|i| (element(i), *i));
+        Some(order)
+    }
+
+    /// Some of the points, or all, in another order.
+    pub(crate) fn picked(&self, pick: &[usize]) -> Self {
+        Self { pose: self.pose, frames: pick.iter().map(|&i| self.frames[i]).collect() }
+    }
+
     /// The weight of each point before any kernel: 0 for those without a footpoint and those that are rejected.
     pub(crate) fn base_weights(&self, cloud: &Prepared<D>, rejection: &Rejection) -> Vec<f64> {
         parallel::map(self.frames.len(), |i| {
