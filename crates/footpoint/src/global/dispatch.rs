@@ -1,4 +1,4 @@
-//! Runtime choice of the instruction set (the only file that knows `pulp`).
+//! Runtime choice of the instruction set.
 
 /// Runs `op` compiled for the widest vector instructions of the machine.
 ///
@@ -15,4 +15,24 @@ pub(crate) fn vectorized<R>(op: impl FnOnce() -> R) -> R {
         }
     }
     pulp::Arch::new().dispatch(Op(op))
+}
+
+/// Work that is written once for vectors of any width.
+pub(crate) trait Task {
+    /// Does the work, all of it `#[inline(always)]`.
+    fn run<S: pulp::Simd>(self, simd: S);
+}
+
+/// Runs a task with the widest vectors of the machine.
+#[inline]
+pub(crate) fn dispatch(task: impl Task) {
+    struct Op<T>(T);
+    impl<T: Task> pulp::WithSimd for Op<T> {
+        type Output = ();
+        #[inline(always)]
+        fn with_simd<S: pulp::Simd>(self, simd: S) {
+            self.0.run(simd);
+        }
+    }
+    pulp::Arch::new().dispatch(Op(task));
 }

@@ -68,45 +68,6 @@ impl Lanes {
     }
 
     #[inline(always)]
-    pub(crate) fn abs(self) -> Self {
-        let mut out = self;
-        for l in 0..WIDTH {
-            out.0[l] = self.0[l].abs();
-        }
-        out
-    }
-
-    /// Bit by bit, whether a lane is positive.
-    #[inline(always)]
-    pub(crate) fn positive(self) -> u32 {
-        let mut bits = [0u8; WIDTH];
-        for l in 0..WIDTH {
-            bits[l] = u8::from(self.0[l] > 0.0) << l;
-        }
-        bits.iter().fold(0, |all, bit| all | u32::from(*bit))
-    }
-
-    /// Bit by bit, whether a lane is positive or zero.
-    #[inline(always)]
-    pub(crate) fn not_negative(self) -> u32 {
-        let mut bits = [0u8; WIDTH];
-        for l in 0..WIDTH {
-            bits[l] = u8::from(self.0[l] >= 0.0) << l;
-        }
-        bits.iter().fold(0, |all, bit| all | u32::from(*bit))
-    }
-
-    /// The lanes of `other` where the bit is set.
-    #[inline(always)]
-    pub(crate) fn replaced(self, bits: u32, other: &Self) -> Self {
-        let mut out = self;
-        for l in 0..WIDTH {
-            out.0[l] = if bits & (1 << l) != 0 { other.0[l] } else { self.0[l] };
-        }
-        out
-    }
-
-    #[inline(always)]
     pub(crate) fn horizontal_min(self) -> f64 {
         let a = self.0;
         let m = |x: f64, y: f64| if x < y { x } else { y };

@@ -3,13 +3,14 @@
 //! In `s − 1/2` and `t − 1/2` no coefficient is large against the control points, so that nothing is lost against the
 //! Bernstein form; a jet takes half as many operations. A patch with a collapsed edge has its origin there: the
 //! coefficients that do not vanish are then multiplied by the way from the pole, and rounding errors shrink with it.
-//! The scheme is written once for one place at a time and for eight: both give the same bits.
+//! The scheme is written once for one place at a time and for several side by side: both give the same bits.
 
 use super::bernstein::binomial;
 use super::geometry::Homogeneous;
-use super::lanes::{Lanes, WIDTH};
+use super::pack::Pack;
 use nalgebra::Vector3;
 use nurbs_core::SurfaceJet;
+use pulp::Simd;
 
 /// Largest degree that is kept in this form. Lower degrees are filled up with zeros to 2 x 2 or 3 x 3.
 pub(crate) const MAX_POWER_DEGREE: usize = 3;
@@ -74,9 +75,8 @@ pub(super) trait Coordinates: Copy {
     type Parameter: Copy;
     /// Numbers per coefficient.
     const COUNT: usize;
-    const ZERO: Self;
-    /// The coefficient at the front of a slice.
-    fn load(from: &[f64]) -> Self;
+    /// The coefficient at the front of a slice, for as many places as there are of a parameter.
+    fn load(from: &[f64], t: Self::Parameter) -> Self;
     /// `self · t + next`.
     fn horner(self, t: Self::Parameter, next: Self) -> Self;
 }
@@ -89,10 +89,9 @@ pub(super) struct Quad<const C: usize>(pub(super) [f64; 4]);
 impl<const C: usize> Coordinates for Quad<C> {
     type Parameter = f64;
     const COUNT: usize = C;
-    const ZERO: Self = Self([0.0; 4]);
 
     #[inline(always)]
-    fn load(from: &[f64]) -> Self {
+    fn load(from: &[f64], _: f64) -> Self {
         // Four at once, whatever `C`: that is one vector.
         Self([from[0], from[1], from[2], from[3]])
     }
@@ -107,25 +106,24 @@ impl<const C: usize> Coordinates for Quad<C> {
     }
 }
 
-/// The coordinates of eight places.
-pub(super) type Wide<const C: usize> = [Lanes; C];
+/// The coordinates of several places.
+pub(super) type Wide<S, const C: usize> = [Pack<S>; C];
 
-impl<const C: usize> Coordinates for Wide<C> {
-    type Parameter = Lanes;
+impl<S: Simd, const C: usize> Coordinates for Wide<S, C> {
+    type Parameter = Pack<S>;
     const COUNT: usize = C;
-    const ZERO: Self = [Lanes([0.0; WIDTH]); C];
 
     #[inline(always)]
-    fn load(from: &[f64]) -> Self {
-        let mut out = Self::ZERO;
+    fn load(from: &[f64], t: Pack<S>) -> Self {
+        let mut out = [t; C];
         for c in 0..C {
-            out[c] = Lanes::splat(from[c]);
+            out[c] = t.all(from[c]);
         }
         out
     }
 
     #[inline(always)]
-    fn horner(self, t: Lanes, next: Self) -> Self {
+    fn horner(self, t: Pack<S>, next: Self) -> Self {
         let mut out = next;
         for c in 0..C {
             out[c] = self[c] * t + next[c];
@@ -137,12 +135,14 @@ impl<const C: usize> Coordinates for Wide<C> {
 /// Value, s, t, ss, st, tt of a patch of order `N`, at the parameters `s` and `t` less its origin.
 #[inline(always)]
 pub(super) fn jet<const N: usize, V: Coordinates>(net: &[f64], s: V::Parameter, t: V::Parameter) -> [V; 6] {
-    let mut a = [V::ZERO; 6];
+    // What is not set in the first round is not read before it is.
+    let mut a = [V::load(net, s); 6];
     for done in 0..N {
         let row = (N - 1 - done) * N;
-        let load = |j: usize| V::load(&net[(row + j) * V::COUNT..]);
+        let load = |j: usize| V::load(&net[(row + j) * V::COUNT..], t);
         // Value, derivative, and half of the second derivative of the row.
-        let (mut value, mut first, mut second) = (load(N - 1), V::ZERO, V::ZERO);
+        let mut value = load(N - 1);
+        let (mut first, mut second) = (value, value);
         for taken in 1..N {
             if taken > 2 {
                 second = second.horner(t, first);
@@ -175,7 +175,7 @@ pub(super) fn jet<const N: usize, V: Coordinates>(net: &[f64], s: V::Parameter, 
 #[inline(always)]
 pub(super) fn value<const N: usize, V: Coordinates>(net: &[f64], s: V::Parameter, t: V::Parameter) -> V {
     let row = |i: usize| {
-        let load = |j: usize| V::load(&net[(i * N + j) * V::COUNT..]);
+        let load = |j: usize| V::load(&net[(i * N + j) * V::COUNT..], t);
         let mut value = load(N - 1);
         for j in (0..N - 1).rev() {
             value = value.horner(t, load(j));
@@ -213,10 +213,10 @@ pub(super) fn surface_jet<const C: usize>(a: &[Quad<C>; 6]) -> SurfaceJet {
     }
 }
 
-/// The jets of eight places, from what [`jet`] returns: x, y, z of value, s, t, ss, st, tt.
+/// The jets of several places, from what [`jet`] returns: x, y, z of value, s, t, ss, st, tt.
 #[inline(always)]
-pub(super) fn lane_jets<const C: usize>(a: &[Wide<C>; 6]) -> [Wide<3>; 6] {
-    let mut out = [Wide::<3>::ZERO; 6];
+pub(super) fn wide_jets<S: Simd, const C: usize>(a: &[Wide<S, C>; 6]) -> [Wide<S, 3>; 6] {
+    let mut out = [[a[0][0]; 3]; 6];
     for c in 0..3 {
         for k in 0..6 {
             out[k][c] = if k == 3 || k == 5 { a[k][c] * 2.0 } else { a[k][c] };
@@ -225,9 +225,9 @@ pub(super) fn lane_jets<const C: usize>(a: &[Wide<C>; 6]) -> [Wide<3>; 6] {
     if C == 3 {
         return out;
     }
-    let w: [Lanes; 6] = std::array::from_fn(|k| a[k][C - 1]);
+    let w: [Pack<S>; 6] = std::array::from_fn(|k| a[k][C - 1]);
     let (wuu, wvv) = (w[3] * 2.0, w[5] * 2.0);
-    let inverse = Lanes::splat(1.0) / w[0];
+    let inverse = w[0].all(1.0) / w[0];
     for c in 0..3 {
         let point = out[0][c] * inverse;
         let du = (out[1][c] - point * w[1]) * inverse;
@@ -263,12 +263,13 @@ mod tests {
 
     /// `Σ c_kl s^k t^l` with `c_kl = 1 + k + 2 l`, weights included, against derivatives by hand.
     #[test]
-    fn one_place_and_eight_have_the_same_bits() {
+    fn one_place_and_several_have_the_same_bits() {
         let net: Vec<f64> =
             (0..64).map(|i| (f64::from(i) * 0.754_877_666).fract() + 0.25).chain([0.0]).collect();
         let (s, t) = (0.1, -0.3);
         let single = jet::<4, Quad<4>>(&net, s, t);
-        let eight = jet::<4, Wide<4>>(&net, Lanes::splat(s), Lanes::splat(t));
+        let pack = |value| Pack::splat(pulp::Scalar, value);
+        let wide = jet::<4, Wide<pulp::Scalar, 4>>(&net, pack(s), pack(t));
         for k in 0..6 {
             for c in 0..4 {
                 let (i_min, j_min) = ([0, 1, 0, 2, 1, 0][k], [0, 0, 1, 0, 1, 2][k]);
@@ -286,13 +287,13 @@ mod tests {
                     }
                 }
                 assert!((single[k].0[c] - sum).abs() < 1e-14, "{k} {c}");
-                assert_eq!(eight[k][c].0, [single[k].0[c]; WIDTH]);
+                assert_eq!(wide[k][c].at(0), single[k].0[c]);
             }
         }
-        let (one, lanes) = (surface_jet(&single), lane_jets(&eight));
+        let (one, lanes) = (surface_jet(&single), wide_jets(&wide));
         for (vector, lane) in [one.point, one.du, one.dv, one.duu, one.duv, one.dvv].iter().zip(&lanes) {
             for c in 0..3 {
-                assert_eq!(lane[c].0, [vector[c]; WIDTH]);
+                assert_eq!(lane[c].at(0), vector[c]);
             }
         }
         assert_eq!(value::<4, Quad<4>>(&net, s, t).0, single[0].0);

@@ -6,7 +6,7 @@
 
 use super::descend::{Foot, STANDSTILL};
 use super::geometry::Geometry;
-use crate::projector::classify::{ON_BORDER, ORTHOGONAL, SAME_POINT};
+use crate::projector::classify::{ON_BORDER, ORTHOGONAL, ORTHOGONAL_FLOOR, SAME_POINT};
 use nalgebra::Vector3;
 use nurbs_core::SurfaceJet;
 
@@ -95,7 +95,7 @@ impl Geometry {
     fn steeper_side(&self, x: &Vector3<f64>, (index, local): (usize, [f64; 2])) -> Option<(usize, [f64; 2])> {
         let here = self.place(index, local);
         let distance = (here - x).norm();
-        let noise = (ORTHOGONAL * distance).max(1e-11 * self.size);
+        let noise = (ORTHOGONAL * distance).max(ORTHOGONAL_FLOOR * self.size);
         let fall = |(index, local)| {
             let fall = self.fall(x, index, local);
             if fall > noise { fall } else { 0.0 }

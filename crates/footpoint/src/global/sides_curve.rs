@@ -4,7 +4,7 @@ use super::dispatch::vectorized;
 use super::piece::PieceSet;
 use super::search_curve::CurveFoot;
 use super::sides::{ROUNDS, WORTH};
-use crate::projector::classify::ORTHOGONAL;
+use crate::projector::classify::{ORTHOGONAL, ORTHOGONAL_FLOOR};
 use nalgebra::SVector;
 
 /// Where a walk ended.
@@ -76,7 +76,7 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
         if (point(other) - here).norm() > 1e-9 * self.size {
             return None;
         }
-        let noise = (ORTHOGONAL * (here - x).norm()).max(1e-11 * self.size);
+        let noise = (ORTHOGONAL * (here - x).norm()).max(ORTHOGONAL_FLOOR * self.size);
         let beyond = self.fall(x, other);
         (beyond > noise && beyond > self.fall(x, (index, local))).then_some(other)
     }

@@ -18,8 +18,12 @@ pub(crate) const ON_BORDER: f64 = 1e-12;
 pub(crate) const SAME_POINT: f64 = APART;
 /// Cosine of the angle between the connecting line and a tangent that still counts as a right angle.
 pub(crate) const ORTHOGONAL: f64 = 1e-6;
+/// Component of the connecting line along a tangent that counts as none next to the shape, as a share of the size of the model.
+pub(crate) const ORTHOGONAL_FLOOR: f64 = 1e-11;
 /// Speed, as a share of the size of the model, below which a parameter does not move the point.
-pub(super) const STANDSTILL: f64 = 1e-9;
+pub(crate) const STANDSTILL: f64 = 1e-9;
+/// Squared sine of the angle between the tangents, times the squared ratio of their lengths, down to which they have a normal.
+pub(crate) const DEGENERATE_SQ: f64 = 1e-18;
 /// Decrease of the squared distance, as a share of it, that rounding errors hide.
 pub(super) const NO_GAIN: f64 = 64.0 * f64::EPSILON;
 /// `1 − d κ` below this asks whether the footpoint is one of a continuum.
@@ -114,7 +118,7 @@ impl Geometry {
             slopes[d] = slope;
             // At a pole or cusp the parameterisation stands still: its direction is that of rounding errors.
             let (standstill, tolerance) =
-                (STANDSTILL * self.size, (ORTHOGONAL * distance).max(1e-11 * self.size));
+                (STANDSTILL * self.size, (ORTHOGONAL * distance).max(ORTHOGONAL_FLOOR * self.size));
             let still = speed_sq <= standstill * standstill;
             let small = still || slope * slope <= speed_sq * (tolerance * tolerance);
             let blocked = (local[d] <= 0.0 && slope > 0.0) || (local[d] >= 1.0 && slope < 0.0);
@@ -258,7 +262,7 @@ impl<const K: usize> PatchSet<K> {
 fn outward([s, t]: [f64; 2], jet: &SurfaceJet) -> Vector3<f64> {
     let normal = jet.du.cross(&jet.dv);
     let (lu, lv) = (jet.du.norm_squared(), jet.dv.norm_squared());
-    if normal.norm_squared() > 1e-18 * lu.max(lv) * lu.max(lv) {
+    if normal.norm_squared() > DEGENERATE_SQ * lu.max(lv) * lu.max(lv) {
         return normal;
     }
     // The collapsed direction grows like the mixed derivative times the distance to the edge.

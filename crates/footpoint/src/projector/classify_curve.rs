@@ -1,6 +1,6 @@
 //! Where on a curve a footpoint lies, and whether there are others.
 
-use super::classify::{FLAT, NO_GAIN, ORTHOGONAL, SAME_POINT, STANDSTILL};
+use super::classify::{FLAT, NO_GAIN, ORTHOGONAL, ORTHOGONAL_FLOOR, SAME_POINT, STANDSTILL};
 use crate::global::gap::Gap;
 use crate::global::piece::PieceSet;
 use crate::global::search_curve::{CurveFoot, CurveScratch};
@@ -29,7 +29,9 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
         let bend = speed * speed + jet.d2.dot(&r);
         // Or a step of Newton's method would gain nothing: next to a cusp parameters are not known better.
         let no_gain = slope * slope <= NO_GAIN * distance * distance * bend;
-        let small = still || no_gain || slope.abs() <= speed * (ORTHOGONAL * distance).max(1e-11 * self.size);
+        let small = still
+            || no_gain
+            || slope.abs() <= speed * (ORTHOGONAL * distance).max(ORTHOGONAL_FLOOR * self.size);
         let blocked = (foot.local <= 0.0 && slope > 0.0 && piece.neighbours[0].is_none())
             || (foot.local >= 1.0 && slope < 0.0 && piece.neighbours[1].is_none());
         let status = match (small || blocked, location) {

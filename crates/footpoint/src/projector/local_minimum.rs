@@ -3,7 +3,7 @@
 //! Every patch or piece around the place, and at a pole every parameter line, has a say: the distance must not
 //! decrease into any of them, neither by its slope nor, where this vanishes, by its curvature.
 
-use super::classify::{FLAT, ON_BORDER, ORTHOGONAL, SAME_POINT, STANDSTILL};
+use super::classify::{FLAT, ON_BORDER, ORTHOGONAL, ORTHOGONAL_FLOOR, SAME_POINT, STANDSTILL};
 use crate::global::descend::Foot;
 use crate::global::patch::PatchSet;
 use crate::global::piece::PieceSet;
@@ -33,7 +33,7 @@ impl<const K: usize> PatchSet<K> {
         let patch = &self.patches[index];
         let jet = self.jet(patch, local[0], local[1]);
         let r = jet.point - (x - patch.centre);
-        let small = (ORTHOGONAL * r.norm()).max(1e-11 * self.size);
+        let small = (ORTHOGONAL * r.norm()).max(ORTHOGONAL_FLOOR * self.size);
         let metric = [jet.du.norm_squared(), jet.du.dot(&jet.dv), jet.dv.norm_squared()];
         let hessian = [metric[0] + jet.duu.dot(&r), metric[1] + jet.duv.dot(&r), metric[2] + jet.dvv.dot(&r)];
         // At a pole the parameters are exact, and so are the slopes of the lines that leave it.
@@ -112,7 +112,7 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
         let jet = self.jet(piece, local);
         let r = jet.point - (x - piece.centre);
         let (slope, speed) = (jet.d1.dot(&r), jet.d1.norm());
-        let small = (ORTHOGONAL * r.norm()).max(1e-11 * self.size);
+        let small = (ORTHOGONAL * r.norm()).max(ORTHOGONAL_FLOOR * self.size);
         if slope.abs() > small * speed {
             return (local <= 0.0 && slope > 0.0) || (local >= 1.0 && slope < 0.0);
         }

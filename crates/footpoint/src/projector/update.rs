@@ -3,13 +3,14 @@
 use super::batch;
 use super::curve::CurveProjector;
 use super::surface::{Sets, SurfaceProjector, with_set};
-use crate::global::dispatch::vectorized;
+use crate::global::dispatch::{Task, dispatch};
 use crate::global::geometry::Geometry;
 use crate::global::newton_lanes::{Outcome, Walker};
 use crate::{CurveFootpoint, Error, SurfaceFootpoint, UpdateOptions};
 use nalgebra::{SVector, Vector3};
+use pulp::Simd;
 
-/// Walkers on one patch that are not worth the eight lanes.
+/// Walkers on one patch that are not worth the vectors.
 const FEW: usize = 2;
 /// Passes over the patches, each for those that have crossed a border in the one before.
 const PASSES: usize = 6;
@@ -21,7 +22,7 @@ impl SurfaceProjector {
     /// registration or a fit.
     ///
     /// Every answer is that of [`project_from`](Self::project_from), bit by bit, whatever the number of
-    /// threads, but several times faster: points on the same patch are iterated eight at a time. Nothing is certified: a
+    /// threads, but several times faster: points on the same patch are iterated side by side. Nothing is certified: a
     /// point that has moved far may end in a local minimum of the distance. A point, or a previous parameter, that is not
     /// finite, and a shape that does not exist, give [`Status::InvalidPoint`](crate::Status::InvalidPoint).
     ///
@@ -69,7 +70,7 @@ impl SurfaceProjector {
         check(points.len(), feet.len(), options)?;
         with_set!(&self.set, set => {
             batch::zip_chunks(points, feet, chunk_length(set.patches.len()), |points, feet, work| {
-                update(set, points, feet, options.max_steps, work);
+                dispatch(Update { set, points, feet, max_steps: options.max_steps, work });
             });
         });
         Ok(())
@@ -152,12 +153,12 @@ struct Work {
 impl Work {
     /// The walkers in the order of their patches, on a patch in the order in which they came.
     fn sort(&mut self, patches: usize) {
-        self.sorted.clear();
-        self.sorted.extend_from_slice(&self.walkers);
         if patches > 4 * self.walkers.len() {
+            self.sorted.clone_from(&self.walkers);
             self.sorted.sort_by_key(|walker| walker.patch);
             return;
         }
+        self.sorted.resize(self.walkers.len(), Walker::default());
         self.places.clear();
         self.places.resize(patches, 0);
         for walker in &self.walkers {
@@ -176,62 +177,66 @@ impl Work {
 }
 
 /// New feet of the points of one chunk.
-fn update(
-    set: &Geometry,
-    points: &[Vector3<f64>],
-    feet: &mut [SurfaceFootpoint],
+struct Update<'a> {
+    set: &'a Geometry,
+    points: &'a [Vector3<f64>],
+    feet: &'a mut [SurfaceFootpoint],
     max_steps: u32,
-    work: &mut Work,
-) {
-    vectorized(
-        #[inline(always)]
-        || {
+    work: &'a mut Work,
+}
+
+impl Task for Update<'_> {
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let Self { set, points, feet, max_steps, work } = self;
+        work.walkers.clear();
+        for (index, (x, foot)) in (0..).zip(points.iter().zip(&mut *feet)) {
+            match start(set, x, foot) {
+                Some((patch, local)) => {
+                    let patch = u32::try_from(patch).unwrap_or(u32::MAX);
+                    let before_sq = f64::INFINITY;
+                    work.walkers.push(Walker { local, before_sq, patch, index, steps: 0 });
+                }
+                None => *foot = SurfaceFootpoint::invalid(),
+            }
+        }
+        for pass in 0.. {
+            let alone = pass >= PASSES || work.walkers.len() <= SMALL;
+            work.sort(set.patches.len());
             work.walkers.clear();
-            for (index, (x, foot)) in (0..).zip(points.iter().zip(&mut *feet)) {
-                match start(set, x, foot) {
-                    Some((patch, local)) => {
-                        let patch = u32::try_from(patch).unwrap_or(u32::MAX);
-                        let before_sq = f64::INFINITY;
-                        work.walkers.push(Walker { x: *x, local, before_sq, patch, index, steps: 0 });
+            for group in work.sorted.chunk_by(|a, b| a.patch == b.patch) {
+                if alone || group.len() <= FEW || set.patches[group[0].patch as usize].order == 0 {
+                    for walker in group {
+                        let (x, foot) = of(points, feet, walker);
+                        *foot = walk_alone(set, x, walker, foot, max_steps);
                     }
-                    None => *foot = SurfaceFootpoint::invalid(),
+                    continue;
                 }
-            }
-            for pass in 0.. {
-                let alone = pass >= PASSES || work.walkers.len() <= SMALL;
-                work.sort(set.patches.len());
-                work.walkers.clear();
-                for group in work.sorted.chunk_by(|a, b| a.patch == b.patch) {
-                    if alone || group.len() <= FEW || set.patches[group[0].patch as usize].order == 0 {
-                        for walker in group {
-                            let foot = &mut feet[walker.index as usize];
-                            *foot = walk_alone(set, walker, foot, max_steps);
+                set.newton_lanes(
+                    simd,
+                    points,
+                    group,
+                    max_steps,
+                    #[inline(always)]
+                    |walker, outcome| match outcome {
+                        Outcome::Found(foot) => feet[walker.index as usize] = foot,
+                        Outcome::Landed(place, jet) => {
+                            let (x, foot) = of(points, feet, walker);
+                            *foot = set.conclude_walk(x, &set.go_on(x, place, jet, max_steps));
                         }
-                        continue;
-                    }
-                    set.newton_lanes(
-                        group,
-                        max_steps,
-                        #[inline(always)]
-                        |walker, outcome| match outcome {
-                            Outcome::Landed(place, jet) => {
-                                let walk = set.go_on(&walker.x, place, jet, max_steps);
-                                feet[walker.index as usize] = set.conclude_walk(&walker.x, &walk);
-                            }
-                            Outcome::Crossed(walker) => work.walkers.push(walker),
-                            Outcome::Lost => {
-                                let foot = &mut feet[walker.index as usize];
-                                *foot = walk_again(set, walker, foot, max_steps);
-                            }
-                        },
-                    );
-                }
-                if work.walkers.is_empty() {
-                    return;
-                }
+                        Outcome::Crossed(walker) => work.walkers.push(walker),
+                        Outcome::Lost => {
+                            let (x, foot) = of(points, feet, walker);
+                            *foot = walk_again(set, x, foot, max_steps);
+                        }
+                    },
+                );
             }
-        },
-    );
+            if work.walkers.is_empty() {
+                return;
+            }
+        }
+    }
 }
 
 /// The place that a previous answer tells, if it does.
@@ -247,31 +252,42 @@ fn start(set: &Geometry, x: &Vector3<f64>, foot: &SurfaceFootpoint) -> Option<(u
     Some(set.best_side(x, (cells.patch(cell), local)))
 }
 
+/// The point of a walker and its answer.
+#[inline(always)]
+fn of<'a>(
+    points: &'a [Vector3<f64>],
+    feet: &'a mut [SurfaceFootpoint],
+    walker: &Walker,
+) -> (&'a Vector3<f64>, &'a mut SurfaceFootpoint) {
+    (&points[walker.index as usize], &mut feet[walker.index as usize])
+}
+
 /// The rest of a walk.
 fn walk_alone(
     set: &Geometry,
+    x: &Vector3<f64>,
     walker: &Walker,
     previous: &SurfaceFootpoint,
     max_steps: u32,
 ) -> SurfaceFootpoint {
     let patch = walker.patch as usize;
-    if !set.falls(&walker.x, patch, walker.local, walker.before_sq) {
-        return walk_again(set, walker, previous, max_steps);
+    if !set.falls(x, patch, walker.local, walker.before_sq) {
+        return walk_again(set, x, previous, max_steps);
     }
-    let (mut foot, jet) = set.descend_to_jet(&walker.x, patch, walker.local, max_steps - walker.steps);
+    let (mut foot, jet) = set.descend_to_jet(x, patch, walker.local, max_steps - walker.steps);
     foot.steps += walker.steps;
-    set.conclude_walk(&walker.x, &set.go_on(&walker.x, foot, jet, max_steps))
+    set.conclude_walk(x, &set.go_on(x, foot, jet, max_steps))
 }
 
 /// The whole walk from the previous answer, with step control.
 #[cold]
 fn walk_again(
     set: &Geometry,
-    walker: &Walker,
+    x: &Vector3<f64>,
     previous: &SurfaceFootpoint,
     max_steps: u32,
 ) -> SurfaceFootpoint {
-    let Some((patch, local)) = start(set, &walker.x, previous) else { return SurfaceFootpoint::invalid() };
-    let (foot, jet) = set.descend_to_jet(&walker.x, patch, local, max_steps);
-    set.conclude_walk(&walker.x, &set.go_on(&walker.x, foot, jet, max_steps))
+    let Some((patch, local)) = start(set, x, previous) else { return SurfaceFootpoint::invalid() };
+    let (foot, jet) = set.descend_to_jet(x, patch, local, max_steps);
+    set.conclude_walk(x, &set.go_on(x, foot, jet, max_steps))
 }
