@@ -66,7 +66,7 @@ const GROUPS: &[(&str, &str, &str)] = &[
     (
         "warm-batch",
         "From previous answers, many at once",
-        "`update_in_place` on 8192 points, evenly spread and unsorted, moved as above, on all threads (two here): time that passes, per point; copying the previous answers is included.",
+        "`update_in_place` on 8192 points, evenly spread and unsorted, moved as above, on one thread, per point; copying the previous answers is included.",
     ),
     ("one-step-batch", "One step from previous answers", "The same with one local step per point."),
     ("inversion", "Inversion", "`invert` of points on the shape, certified."),

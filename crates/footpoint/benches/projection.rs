@@ -87,6 +87,8 @@ fn moved(
 }
 
 fn updates(c: &mut Criterion) {
+    // Of one core, whatever the machine has.
+    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread");
     let all: Vec<_> = surfaces().into_iter().map(|s| (SurfaceProjector::new(&s.surface), s)).collect();
     for (distance, share) in SHIFTS {
         let mut single = group(c, "warm", BATCH);
@@ -110,8 +112,8 @@ fn updates(c: &mut Criterion) {
                 many.bench_function(format!("{}-{distance}", shape.name), |b| {
                     b.iter(|| {
                         updated.copy_from_slice(&feet);
-                        projector
-                            .update_in_place(&points, &mut updated, &options)
+                        alone
+                            .install(|| projector.update_in_place(&points, &mut updated, &options))
                             .expect("as many feet as points");
                     });
                 });
@@ -124,7 +126,7 @@ fn updates(c: &mut Criterion) {
     let feet: Vec<_> = points.iter().map(|x| projector.project(x)).collect();
     let points: Vec<_> = points.iter().map(|x| x.add_scalar(0.5)).collect();
     group(c, "warm-batch", COUNT).bench_function("cubic-2d-1e-3", |b| {
-        b.iter(|| black_box(projector.update_many(&points, &feet)));
+        b.iter(|| black_box(alone.install(|| projector.update_many(&points, &feet))));
     });
 }
 
