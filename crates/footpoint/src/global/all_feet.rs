@@ -156,10 +156,10 @@ impl<const K: usize> PatchSet<K> {
     /// Which sides of a box, by direction and end, are collapsed into a point.
     fn poles(&self, index: usize, region: &Region) -> [[bool; 2]; 2] {
         let patch = &self.patches[index];
-        let cells = &self.cells[patch.shape];
+        let cells = &self.cells[patch.shape()];
         [0, 1].map(|d| {
             [0, 1].map(|end| {
-                cells.collapsed[d][end] && cells.at_end(patch.cell, d, end) && region.at_border(d, end)
+                cells.collapsed[d][end] && cells.at_end(patch.cell(), d, end) && region.at_border(d, end)
             })
         })
     }
@@ -218,7 +218,7 @@ impl<const K: usize> PatchSet<K> {
                     // Where the surface goes on smoothly the distance may fall on the other side.
                     let falls = foot.distance_sq < self.distance_sq(x, index, centre) * (1.0 - level.flat);
                     let patch = &self.patches[index];
-                    if falls && self.cells[patch.shape].across(patch.cell, d, end).is_some() {
+                    if falls && self.cells[patch.shape()].across(patch.cell(), d, end).is_some() {
                         continue;
                     }
                     harvest.flats.push((foot, self.region_bounds(index, &part)));

@@ -136,7 +136,7 @@ impl Cells {
             cells[0][d] = below;
             cells[1][d] = i;
             let [a, b] = cells.map(|cell| &set.patches[self.patch(cell)]);
-            let samples = 2 * a.degrees[1 - d] + 1;
+            let samples = 2 * a.degrees()[1 - d] + 1;
             for k in 0..=samples {
                 let along = k as f64 / samples as f64;
                 let mut at = [[along; 2]; 2];
@@ -163,7 +163,7 @@ impl Cells {
             let mut cell = [other; 2];
             cell[d] = if end == 0 { 0 } else { self.counts[d] - 1 };
             let patch = &set.patches[self.patch(cell)];
-            let samples = 2 * patch.degrees[1 - d] + 1;
+            let samples = 2 * patch.degrees()[1 - d] + 1;
             for k in 0..=samples {
                 let mut at = [k as f64 / samples as f64; 2];
                 at[d] = end as f64;

@@ -289,7 +289,7 @@ impl Geometry {
                 (at[d] <= 0.0 && model.gradient[d] > 0.0) || (at[d] >= 1.0 && model.gradient[d] < 0.0);
             if pushes_out {
                 let end = usize::from(at[d] >= 1.0);
-                free[d] = self.cells[patch.shape].across(patch.cell, d, end).is_some();
+                free[d] = self.cells[patch.shape()].across(patch.cell(), d, end).is_some();
             }
             let noise_sq = SLOPE_NOISE_SQ * (distance_sq + size_sq) * speed_sq;
             level &= !free[d] || model.gradient[d] * model.gradient[d] <= noise_sq;
@@ -334,7 +334,7 @@ impl Geometry {
             let target = at[d] + step[d];
             let end = usize::from(target > 1.0);
             let outside = !(0.0..=1.0).contains(&target);
-            if outside && self.cells[patch.shape].across(patch.cell, d, end).is_none() {
+            if outside && self.cells[patch.shape()].across(patch.cell(), d, end).is_none() {
                 step[d] = end as f64 - at[d];
                 let other = 1 - d;
                 let bent = model.hessian[2 * other];
@@ -358,8 +358,8 @@ impl Geometry {
                 }
                 let end = usize::from(to[d] > 1.0);
                 let patch = &self.patches[index];
-                let cells = &self.cells[patch.shape];
-                let Some(cell) = cells.across(patch.cell, d, end) else { break };
+                let cells = &self.cells[patch.shape()];
+                let Some(cell) = cells.across(patch.cell(), d, end) else { break };
                 let other = cells.patch(cell);
                 let beyond = if end == 0 { -to[d] } else { to[d] - 1.0 };
                 let scaled = beyond * patch.intervals[d].length() / self.patches[other].intervals[d].length();

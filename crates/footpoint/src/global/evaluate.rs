@@ -10,7 +10,7 @@ impl Geometry {
     /// The jet at the local `(s, t)` with derivatives by local parameters; points relative to the centre.
     #[inline(always)]
     pub(crate) fn jet(&self, patch: &Patch, s: f64, t: f64) -> SurfaceJet {
-        match (patch.order, patch.rational) {
+        match (patch.order(), patch.rational) {
             (4, false) => self.power_jet::<4, 3>(patch, s, t),
             (4, true) => self.power_jet::<4, 4>(patch, s, t),
             (3, false) => self.power_jet::<3, 3>(patch, s, t),
@@ -21,12 +21,12 @@ impl Geometry {
 
     #[inline(always)]
     fn power_jet<const N: usize, const C: usize>(&self, patch: &Patch, s: f64, t: f64) -> SurfaceJet {
-        let [o, p] = patch.origin;
+        let [o, p] = patch.origin();
         power::surface_jet(&power::jet::<N, Quad<C>>(self.powers::<N, C>(patch), s - o, t - p))
     }
 
     fn bernstein_jet(&self, patch: &Patch, s: f64, t: f64) -> SurfaceJet {
-        let [p, q] = patch.degrees;
+        let [p, q] = patch.degrees();
         let a = general_jet(self.net(patch), p, q, s, t);
         let v = |k: usize| Vector3::new(a[k][0], a[k][1], a[k][2]);
         if !patch.rational {
@@ -50,7 +50,7 @@ impl Geometry {
     /// The point alone, relative to the centre.
     #[inline(always)]
     pub(crate) fn point(&self, patch: &Patch, s: f64, t: f64) -> Vector3<f64> {
-        match (patch.order, patch.rational) {
+        match (patch.order(), patch.rational) {
             (4, false) => self.power_point::<4, 3>(patch, s, t),
             (4, true) => self.power_point::<4, 4>(patch, s, t),
             (3, false) => self.power_point::<3, 3>(patch, s, t),
@@ -61,7 +61,7 @@ impl Geometry {
 
     #[inline(always)]
     fn power_point<const N: usize, const C: usize>(&self, patch: &Patch, s: f64, t: f64) -> Vector3<f64> {
-        let [o, p] = patch.origin;
+        let [o, p] = patch.origin();
         let a = power::value::<N, Quad<C>>(self.powers::<N, C>(patch), s - o, t - p).0;
         let point = Vector3::new(a[0], a[1], a[2]);
         // As in the jet, where the inverse is needed more than once.
@@ -69,7 +69,7 @@ impl Geometry {
     }
 
     fn bernstein_point(&self, patch: &Patch, s: f64, t: f64) -> Vector3<f64> {
-        let [p, q] = patch.degrees;
+        let [p, q] = patch.degrees();
         let net = self.net(patch);
         let mut bu = [[0.0; 3]; MAX_DEGREE + 1];
         let mut bv = [[0.0; 3]; MAX_DEGREE + 1];

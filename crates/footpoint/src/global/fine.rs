@@ -26,7 +26,7 @@ impl<const K: usize> PatchSet<K> {
         net: &mut Vec<Homogeneous>,
         out: &mut [Row<K>],
     ) -> f64 {
-        let [p, q] = patch.degrees;
+        let [p, q] = patch.degrees();
         net.clear();
         let shifted = |c: &Homogeneous| [c[0] - c[3] * y.x, c[1] - c[3] * y.y, c[2] - c[3] * y.z, c[3]];
         net.extend(self.net(patch).iter().map(shifted));

@@ -12,11 +12,11 @@ pub(crate) type Homogeneous = [f64; 4];
 /// One patch: where it lies, and where its coefficients begin in the arenas.
 #[derive(Clone, Debug)]
 pub(crate) struct Patch {
-    /// Index of its surface.
-    pub(crate) shape: usize,
-    /// Row and column in the grid of patches of that surface.
-    pub(crate) cell: [usize; 2],
-    pub(crate) degrees: [usize; 2],
+    // Patches are many: small numbers are kept small.
+    shape: u32,
+    cell: [u32; 2],
+    degrees: [u8; 2],
+    order: u8,
     pub(crate) rational: bool,
     /// Origin of the coordinates in which the net is stored: the pole, if there is one, so that next to it all
     /// coefficients are small and so are their rounding errors.
@@ -29,10 +29,8 @@ pub(crate) struct Patch {
     pub(crate) radius: f64,
     /// The edge that is collapsed into the centre.
     pub(crate) pole: Option<Pole>,
-    /// Local parameters that are zero in the powers.
-    pub(super) origin: [f64; 2],
-    /// Largest degree + 1 of a patch that is also kept in powers, or 0.
-    pub(crate) order: usize,
+    /// Halves, of which there are few.
+    origin: [f32; 2],
     net: usize,
     /// Where the rows of its squared distance form begin.
     pub(super) form: usize,
@@ -40,10 +38,39 @@ pub(crate) struct Patch {
 }
 
 impl Patch {
+    /// Index of its surface.
+    #[inline(always)]
+    pub(crate) fn shape(&self) -> usize {
+        self.shape as usize
+    }
+
+    /// Row and column in the grid of patches of that surface.
+    #[inline(always)]
+    pub(crate) fn cell(&self) -> [usize; 2] {
+        [self.cell[0] as usize, self.cell[1] as usize]
+    }
+
+    #[inline(always)]
+    pub(crate) fn degrees(&self) -> [usize; 2] {
+        [usize::from(self.degrees[0]), usize::from(self.degrees[1])]
+    }
+
+    /// Largest degree + 1 of a patch that is also kept in powers, or 0.
+    #[inline(always)]
+    pub(crate) fn order(&self) -> usize {
+        usize::from(self.order)
+    }
+
+    /// Local parameters that are zero in the powers.
+    #[inline(always)]
+    pub(super) fn origin(&self) -> [f64; 2] {
+        [f64::from(self.origin[0]), f64::from(self.origin[1])]
+    }
+
     /// Number of rows of the squared distance form, `2 degree_u + 1`.
     #[inline(always)]
     pub(crate) fn rows(&self) -> usize {
-        2 * self.degrees[0] + 1
+        2 * self.degrees()[0] + 1
     }
 
     /// Parameters of the whole surface at the local `(s, t)` in `[0, 1]²`.
@@ -81,18 +108,21 @@ impl Geometry {
         // The number that follows the last coefficient is read, but not used.
         self.powers.pop();
         let powers = self.powers.len();
-        let mut origin = [0.5; 2];
+        let mut origin = [0.5f32; 2];
         if let Some(pole) = pole {
-            origin[pole.direction] = pole.end as f64;
+            origin[pole.direction()] = if pole.at_end { 1.0 } else { 0.0 };
         }
-        let order = power::push_powers(&net, patch.degrees, origin, rational, &mut self.powers);
+        let order =
+            power::push_powers(&net, patch.degrees, origin.map(f64::from), rational, &mut self.powers);
         self.powers.push(0.0);
         let radius = patch.control_points.iter().map(|p| (p - centre).norm()).fold(0.0, f64::max);
         let (min, max) = net.iter().fold((f64::INFINITY, 0.0f64), |(a, b), p| (a.min(p[3]), b.max(p[3])));
         self.patches.push(Patch {
-            shape,
-            cell,
-            degrees: patch.degrees,
+            // So many patches that these do not fit would not fit into the memory.
+            shape: u32::try_from(shape).unwrap_or(u32::MAX),
+            cell: cell.map(|index| u32::try_from(index).unwrap_or(u32::MAX)),
+            degrees: patch.degrees.map(|degree| u8::try_from(degree).unwrap_or(u8::MAX)),
+            order: u8::try_from(order).unwrap_or(u8::MAX),
             rational,
             centre,
             intervals: patch.intervals,
@@ -101,7 +131,6 @@ impl Geometry {
             radius,
             pole,
             origin,
-            order,
             net: self.nets.len(),
             form,
             powers,
@@ -112,7 +141,8 @@ impl Geometry {
     /// The homogeneous control net.
     #[inline(always)]
     pub(super) fn net(&self, patch: &Patch) -> &[Homogeneous] {
-        &self.nets[patch.net..patch.net + (patch.degrees[0] + 1) * (patch.degrees[1] + 1)]
+        let [p, q] = patch.degrees();
+        &self.nets[patch.net..patch.net + (p + 1) * (q + 1)]
     }
 
     /// The coefficients in powers of a patch of order `N`, with `C` numbers each, and one number more.

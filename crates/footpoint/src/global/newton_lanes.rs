@@ -93,7 +93,7 @@ impl Geometry {
         mut report: impl FnMut(&Walker, Outcome),
     ) {
         let patch = &self.patches[group[0].patch as usize];
-        match (patch.order, patch.rational) {
+        match (patch.order(), patch.rational) {
             (4, false) => self.iterate::<S, 4, 3>(simd, patch, points, group, max_steps, report),
             (4, true) => self.iterate::<S, 4, 4>(simd, patch, points, group, max_steps, report),
             (3, false) => self.iterate::<S, 3, 3>(simd, patch, points, group, max_steps, report),
@@ -113,6 +113,8 @@ impl Geometry {
         mut report: impl FnMut(&Walker, Outcome),
     ) {
         let net = self.powers::<N, C>(patch);
+        let [o, p] = patch.origin();
+        let origin = [Pack::splat(simd, o), Pack::splat(simd, p)];
         let mut places = Places { y: [[0.0; MOST]; 3], local: [[0.5; MOST]; 2], before_sq: [0.0; MOST] };
         let mut steps = [0u32; MOST];
         let mut members = [0usize; MOST];
@@ -139,7 +141,7 @@ impl Geometry {
                 return;
             }
             let at = places.load(simd);
-            let round = round::<S, N, C>(net, patch.origin, &at, self.size);
+            let round = round::<S, N, C>(net, &origin, &at, self.size);
             let mut limited = 0;
             for l in 0..Pack::<S>::COUNT {
                 steps[l] += 1;
@@ -282,7 +284,7 @@ impl Feet {
     fn answer(&self, patch: &Patch, l: usize, steps: u32) -> SurfaceFootpoint {
         let ([s, t], [x, y, z], distance) = (&self.local, &self.point, self.distance[l]);
         SurfaceFootpoint {
-            shape: patch.shape,
+            shape: patch.shape(),
             parameter: patch.parameter(s[l], t[l]),
             point: Vector3::new(x[l], y[l], z[l]) + patch.centre,
             distance,
@@ -312,13 +314,13 @@ pub(super) fn open<S: Simd>(x: Pack<S>) -> Pack<S> {
 #[inline(always)]
 fn round<S: Simd, const N: usize, const C: usize>(
     net: &[f64],
-    origin: [f64; 2],
+    origin: &[Pack<S>; 2],
     from: &At<S>,
     size: f64,
 ) -> Round<S> {
     let [s, t] = from.local;
     let jets =
-        power::wide_jets(&power::jet::<N, Wide<S, C>>(net, s - s.all(origin[0]), t - t.all(origin[1])));
+        power::wide_jets(&power::jet::<N, Wide<S, C>>(net, s - origin[0], t - origin[1]));
     let [point, du, dv, duu, duv, dvv] = &jets;
     let r = [point[0] - from.y[0], point[1] - from.y[1], point[2] - from.y[2]];
     let distance_sq = dot(&r, &r);

@@ -15,9 +15,10 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// An edge of a patch whose control points are all the same.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pole {
-    /// The direction that leads away from it, and the end of that direction at which it is.
-    pub(crate) direction: usize,
-    pub(crate) end: usize,
+    /// Whether the second direction leads away from it, not the first one.
+    pub(crate) along_v: bool,
+    /// Whether it is at the upper end of that direction.
+    pub(crate) at_end: bool,
     /// Largest speed at which parameter lines leave it.
     pub(crate) speed: f64,
 }
@@ -26,16 +27,29 @@ impl Pole {
     /// The collapsed edge of a patch, the first one if there are several.
     pub(crate) fn find(patch: &BezierPatch) -> Option<Self> {
         let largest = patch.control_points.iter().map(|p| p.amax()).fold(0.0, f64::max);
-        let candidates = [(0, 0), (0, 1), (1, 0), (1, 1)];
-        candidates.into_iter().map(|(direction, end)| Self { direction, end, speed: 0.0 }).find_map(|pole| {
+        let ends = [(false, false), (false, true), (true, false), (true, true)];
+        let poles = ends.map(|(along_v, at_end)| Self { along_v, at_end, speed: 0.0 });
+        poles.into_iter().find_map(|pole| {
             let first = pole.point(patch);
             let off = |i: usize| (patch.control_points[i] - first).amax();
             if pole.edge(patch.degrees).any(|i| off(i) > SAME * largest) {
                 return None;
             }
             let farthest = pole.line(patch.degrees, 1).map(off).fold(0.0, f64::max);
-            Some(Self { speed: farthest * patch.degrees[pole.direction] as f64, ..pole })
+            Some(Self { speed: farthest * patch.degrees[pole.direction()] as f64, ..pole })
         })
+    }
+
+    /// The direction that leads away from it.
+    #[inline(always)]
+    pub(crate) fn direction(self) -> usize {
+        usize::from(self.along_v)
+    }
+
+    /// The end of that direction at which it is.
+    #[inline(always)]
+    pub(crate) fn end(self) -> usize {
+        usize::from(self.at_end)
     }
 
     /// Indices of the control points of the collapsed edge.
@@ -45,10 +59,9 @@ impl Pole {
 
     /// Indices of the control points `away` steps from the edge.
     fn line(self, [p, q]: [usize; 2], away: usize) -> impl Iterator<Item = usize> {
-        let (last, along) = if self.direction == 0 { (p, q) } else { (q, p) };
-        let across = if self.end == 0 { away } else { last - away };
-        (0..=along)
-            .map(move |k| if self.direction == 0 { across * (q + 1) + k } else { k * (q + 1) + across })
+        let (last, along) = if self.along_v { (q, p) } else { (p, q) };
+        let across = if self.at_end { last - away } else { away };
+        (0..=along).map(move |k| if self.along_v { k * (q + 1) + across } else { across * (q + 1) + k })
     }
 
     /// The point itself.
@@ -58,7 +71,7 @@ impl Pole {
 
     /// Whether a box of the patch reaches the collapsed edge.
     pub(crate) fn touches(self, region: &Region) -> bool {
-        region.at_border(self.direction, self.end)
+        region.at_border(self.direction(), self.end())
     }
 }
 
@@ -86,7 +99,7 @@ impl<const K: usize> PatchSet<K> {
             return patch.radius;
         }
         let Some(pole) = patch.pole.filter(|pole| pole.touches(region)) else { return f64::INFINITY };
-        let d = pole.direction;
+        let d = pole.direction();
         let degree = if d == 0 { patch.rows() - 1 } else { Self::DEGREE };
         patch.radius * ((region.high[d] - region.low[d]) * degree as f64).min(1.0)
     }

@@ -76,20 +76,20 @@ impl<const K: usize> PatchSet<K> {
         let metric = [jet.du.norm_squared(), jet.du.dot(&jet.dv), jet.dv.norm_squared()];
         let hessian = [metric[0] + jet.duu.dot(&r), metric[1] + jet.duv.dot(&r), metric[2] + jet.dvv.dot(&r)];
         let gradient = [jet.du.dot(&r), jet.dv.dot(&r)];
-        let cells = &self.cells[patch.shape];
+        let cells = &self.cells[patch.shape()];
         let still_sq = AT_POLE * AT_POLE * self.size * self.size;
         let mut free = [true; 2];
         for d in 0..2 {
             let end = usize::from(best.local[d] > 0.5);
             let gap = (best.local[d] - end as f64).abs();
             if cells.collapsed[d][end]
-                && cells.at_end(patch.cell, d, end)
+                && cells.at_end(patch.cell(), d, end)
                 && gap * gap * metric[2 * d] <= still_sq
             {
                 return self.leave_pole(x, best, d, end);
             }
             let outwards = if end == 0 { gradient[d] } else { -gradient[d] };
-            free[d] = gap > 0.0 || outwards <= 0.0 || cells.across(patch.cell, d, end).is_some();
+            free[d] = gap > 0.0 || outwards <= 0.0 || cells.across(patch.cell(), d, end).is_some();
         }
         let (ratio, direction) = match free {
             [true, true] => flattest(&metric, &hessian),
@@ -112,11 +112,11 @@ impl<const K: usize> PatchSet<K> {
     /// Follows the parameter line that falls most.
     fn leave_pole(&self, x: &Vector3<f64>, best: &mut Foot, d: usize, end: usize) -> bool {
         let patch = &self.patches[best.patch];
-        let cells = &self.cells[patch.shape];
+        let cells = &self.cells[patch.shape()];
         let mut steepest = (0.0, usize::MAX, [0.0; 2]);
         for other in 0..cells.counts[1 - d] {
             let mut cell = [other; 2];
-            cell[d] = patch.cell[d];
+            cell[d] = patch.cell()[d];
             let index = cells.patch(cell);
             let patch = &self.patches[index];
             for k in 0..LINES {

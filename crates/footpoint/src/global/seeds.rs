@@ -146,7 +146,7 @@ impl<const K: usize> PatchSet<K> {
         scratch.dips.sort_by(|a, b| a.floor_sq.total_cmp(&b.floor_sq));
         let mut seeds = 0;
         for dip in &scratch.dips {
-            let reach = [2 * self.patches[dip.patch].degrees[0] + 2, WIDTH * K - 1].map(|n| 0.6 / n as f64);
+            let reach = [2 * self.patches[dip.patch].degrees()[0] + 2, WIDTH * K - 1].map(|n| 0.6 / n as f64);
             let known = best.settled
                 && best.patch == dip.patch
                 && (0..2).all(|d| (best.local[d] - dip.place[d]).abs() <= reach[d]);

@@ -82,11 +82,11 @@ impl Geometry {
             return false;
         }
         let patch = &self.patches[index];
-        let cells = &self.cells[patch.shape];
+        let cells = &self.cells[patch.shape()];
         (0..2).any(|d| {
             let end = usize::from(local[d] > 0.5);
             !inside(local[d])
-                && (!cells.at_end(patch.cell, d, end) || cells.closed[d] || cells.collapsed[d][end])
+                && (!cells.at_end(patch.cell(), d, end) || cells.closed[d] || cells.collapsed[d][end])
         })
     }
 
@@ -126,7 +126,7 @@ impl Geometry {
             let slope = tangent.dot(&r) / speed;
             let end = usize::from(local[d] > 0.5);
             let at_border = local[d] <= 0.0 || local[d] >= 1.0;
-            if at_border && self.cells[patch.shape].across(patch.cell, d, end).is_none() {
+            if at_border && self.cells[patch.shape()].across(patch.cell(), d, end).is_none() {
                 (if end == 0 { -slope } else { slope }).max(0.0)
             } else {
                 slope.abs()
@@ -145,19 +145,19 @@ impl Geometry {
     /// a pole some on every line through it.
     pub(crate) fn around(&self, index: usize, local: [f64; 2]) -> Vec<(usize, [f64; 2])> {
         let patch = &self.patches[index];
-        let cells = &self.cells[patch.shape];
-        let mut options = [0, 1].map(|d| vec![(patch.cell[d], local[d])]);
+        let cells = &self.cells[patch.shape()];
+        let mut options = [0, 1].map(|d| vec![(patch.cell()[d], local[d])]);
         let mut pole = None;
         for d in 0..2 {
             let end = usize::from(local[d] > 0.5);
             let border = end as f64;
-            let at_end = cells.at_end(patch.cell, d, end);
+            let at_end = cells.at_end(patch.cell(), d, end);
             let gap = (local[d] - border).abs();
             if at_end && cells.collapsed[d][end] {
                 let jet = self.jet(patch, local[0], local[1]);
                 let speed = if d == 0 { jet.du } else { jet.dv }.norm();
                 if gap * speed <= 1e-9 * self.size {
-                    options[d] = vec![(patch.cell[d], border)];
+                    options[d] = vec![(patch.cell()[d], border)];
                     pole = Some(d);
                     continue;
                 }
@@ -166,8 +166,8 @@ impl Geometry {
                 continue;
             }
             let count = cells.counts[d];
-            let beyond = if end == 0 { patch.cell[d] + count - 1 } else { patch.cell[d] + 1 } % count;
-            options[d] = vec![(patch.cell[d], border), (beyond, 1.0 - border)];
+            let beyond = if end == 0 { patch.cell()[d] + count - 1 } else { patch.cell()[d] + 1 } % count;
+            options[d] = vec![(patch.cell()[d], border), (beyond, 1.0 - border)];
         }
         if let Some(d) = pole {
             let lines = |cell| LINES.map(|s| (cell, s));

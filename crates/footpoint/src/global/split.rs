@@ -17,9 +17,9 @@ impl<const K: usize> PatchSet<K> {
     /// Where to cut a box next to a pole: at a few times the way of the nearest point from it.
     pub(crate) fn cut_at_pole(&self, patch: &Patch, region: &Region, way: f64) -> Option<(usize, f64)> {
         let pole = patch.pole.filter(|pole| pole.touches(region))?;
-        let d = pole.direction;
+        let d = pole.direction();
         let window = WINDOW * way / (pole.speed * (region.high[d] - region.low[d]));
-        (window > 0.0 && window < NARROW).then_some((d, if pole.end == 0 { window } else { 1.0 - window }))
+        (window > 0.0 && window < NARROW).then_some((d, if pole.at_end { 1.0 - window } else { window }))
     }
 
     /// How far from the pole of a patch the footpoint is, or, where it is the pole, the query.

@@ -85,7 +85,7 @@ impl Geometry {
         };
         let side = -outward(foot.local, jet).dot(&r);
         SurfaceFootpoint {
-            shape: patch.shape,
+            shape: patch.shape(),
             parameter: patch.parameter(s, t),
             point: jet.point + patch.centre,
             distance,
@@ -124,7 +124,7 @@ impl Geometry {
             let blocked = (local[d] <= 0.0 && slope > 0.0) || (local[d] >= 1.0 && slope < 0.0);
             // Inside the model a border of a patch blocks only where the surface has a kink.
             let end = usize::from(local[d] >= 1.0);
-            free[d] = !(still || blocked && self.cells[patch.shape].across(patch.cell, d, end).is_none());
+            free[d] = !(still || blocked && self.cells[patch.shape()].across(patch.cell(), d, end).is_none());
             all && (small || !free[d])
         });
         let bends =
@@ -148,13 +148,13 @@ impl Geometry {
 
     #[inline(always)]
     fn location(&self, patch: &Patch, local: [f64; 2], jet: &SurfaceJet) -> Location {
-        let cells = &self.cells[patch.shape];
+        let cells = &self.cells[patch.shape()];
         let mut edges = 0;
         let mut seam = false;
         for d in 0..2 {
             let end = usize::from(local[d] > 0.5);
             let gap = (local[d] - end as f64).abs();
-            if !cells.at_end(patch.cell, d, end) {
+            if !cells.at_end(patch.cell(), d, end) {
                 continue;
             }
             let tangent = if d == 0 { &jet.du } else { &jet.dv };
@@ -216,11 +216,11 @@ impl<const K: usize> PatchSet<K> {
             Location::Pole | Location::Corner => return false,
             Location::Edge => {
                 // Only the direction along the edge is free.
-                let cells = &self.cells[patch.shape];
+                let cells = &self.cells[patch.shape()];
                 let on = |d: usize| {
                     let end = usize::from(foot.local[d] > 0.5);
                     (foot.local[d] - end as f64).abs() <= ON_BORDER
-                        && cells.at_end(patch.cell, d, end)
+                        && cells.at_end(patch.cell(), d, end)
                         && !cells.closed[d]
                 };
                 let along = usize::from(on(0));

@@ -205,7 +205,7 @@ impl Task for Update<'_> {
             work.sort(set.patches.len());
             work.walkers.clear();
             for group in work.sorted.chunk_by(|a, b| a.patch == b.patch) {
-                if alone || group.len() <= FEW || set.patches[group[0].patch as usize].order == 0 {
+                if alone || group.len() <= FEW || set.patches[group[0].patch as usize].order() == 0 {
                     for walker in group {
                         let (x, foot) = of(points, feet, walker);
                         *foot = walk_alone(set, x, walker, foot, max_steps);
