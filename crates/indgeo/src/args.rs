@@ -30,7 +30,7 @@ Examples:
   indgeo fit-curve section.xyz -o section.json --tolerance 0.05
   indgeo parameterize scan.ply -o base.json --params uv.csv
   indgeo fit-surface scan.ply -o surface.json --tolerance 0.05
-  indgeo fit-ruled vase.xyz -o layers.json --controls 25x7 --level
+  indgeo fit-ruled vase.xyz -o layers.json --control-points 25x7 --level
   indgeo fit-subdivision scan.ply -o control.obj --vertices 300
   indgeo info scan.ply";
 

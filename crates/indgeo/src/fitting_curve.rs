@@ -229,7 +229,7 @@ fn refused(job: &Job<'_>, error: &FitError) -> Error {
         FitError::TooFewPoints { .. } => Error::content(
             job.points,
             error.to_string(),
-            "give more points, fewer control points (--controls) or a lower degree",
+            "give more points, fewer control points (--control-points) or a lower degree",
         ),
         _ => Error::content(job.points, error.to_string(), "check it with `indgeo info`"),
     }

@@ -119,7 +119,7 @@ pub(crate) fn warn_undetermined(path: &Path, points: usize, [u, v]: [usize; 2], 
     if points < u * v {
         report.warnings.push(format!(
             "{}: {points} points for {u} x {v} control points: the smoothing decides what the points leave open; take fewer \
-             (--controls)",
+             (--control-points)",
             path.display()
         ));
     }

@@ -61,8 +61,8 @@ fn space_curves_in_any_order_and_starts_from_a_file() {
     let bench = Bench::new();
     let cases = fixture("fit-cases");
     for order in ["ordered", "shuffled"] {
-        let run =
-            bench.run(&format!("fit-curve {cases}/b_open3d_{order}.xyz --controls 24 -o b.json --json -"));
+        let run = bench
+            .run(&format!("fit-curve {cases}/b_open3d_{order}.xyz --control-points 24 -o b.json --json -"));
         assert_eq!(run.code, 0, "{}", run.stderr);
         let results = &run.report()["results"];
         assert!(results["rms"].as_f64().unwrap() <= 0.0135 && results["closed"] == false, "{results}");
@@ -77,9 +77,9 @@ fn space_curves_in_any_order_and_starts_from_a_file() {
     let sdm = bench.run(&command);
     assert_eq!(sdm.code, 0, "{}", sdm.stderr);
     assert!(rms(&sdm, 20) <= 0.001 && rms(&sdm, 45) <= 1e-6);
-    let pdm = bench.run(&format!("{command} --term pdm --control none --smoothing continuation"));
+    let pdm = bench.run(&format!("{command} --term pdm --step-control none --smoothing continuation"));
     assert!(pdm.code == 1 && rms(&pdm, 20) >= 0.02, "{}", pdm.code);
-    let tdm = bench.run(&format!("{command} --term tdm --control none --smoothing continuation"));
+    let tdm = bench.run(&format!("{command} --term tdm --step-control none --smoothing continuation"));
     assert!(tdm.code == 1 && tdm.report()["results"]["status"] == "diverged");
 }
 
@@ -131,7 +131,7 @@ fn what_is_not_reached_is_said() {
     let bench = Bench::new();
     let cases = fixture("fit-cases");
     let run = bench.run(&format!(
-        "fit-curve {cases}/a2_noisy.xyz -o a2.json --tolerance 0.01 --max-controls 16 --json r.json"
+        "fit-curve {cases}/a2_noisy.xyz -o a2.json --tolerance 0.01 --max-control-points 16 --json r.json"
     ));
     assert_eq!(run.code, 1, "{}", run.stdout);
     assert!(run.stdout.contains("NOT reached"), "{}", run.stdout);
@@ -140,7 +140,7 @@ fn what_is_not_reached_is_said() {
     // The number of threads changes nothing.
     let of = |threads: u8| {
         let run = bench.run(&format!(
-            "fit-curve {cases}/a2_noisy.xyz -o t{threads}.json --controls 12 --threads {threads}"
+            "fit-curve {cases}/a2_noisy.xyz -o t{threads}.json --control-points 12 --threads {threads}"
         ));
         assert_eq!(run.code, 0, "{}", run.stderr);
         bench.text(&format!("t{threads}.json"))
@@ -160,7 +160,7 @@ fn bad_input_says_what_and_what_to_do() {
         ("fit-curve three.xyz -o c.json", "3 of 3 points can be used"),
         ("fit-curve same.xyz -o c.json", "1 of 5 points can be used"),
         ("fit-curve line.xyz -o c.json --closed", "on a line"),
-        ("fit-curve points.xyz -o c.json --controls 31", "at least 31 are needed"),
+        ("fit-curve points.xyz -o c.json --control-points 31", "at least 31 are needed"),
         ("fit-curve points.xyz -o c.json --tolerance 0", "tolerance"),
         ("fit-curve points.xyz -o c.json --smoothing much", "auto, continuation"),
         ("fit-curve points.xyz -o points.xyz", "overwrite an input"),
@@ -174,6 +174,6 @@ fn bad_input_says_what_and_what_to_do() {
     }
     assert!(!bench.files().contains(&"c.json".to_owned()));
     bench.put("gaps.xyz", format!("{}nan 1\n", ellipse(60)));
-    let run = bench.run("fit-curve gaps.xyz -o gaps.json --controls 10 --json -");
+    let run = bench.run("fit-curve gaps.xyz -o gaps.json --control-points 10 --json -");
     assert_eq!((run.code, &run.report()["results"]["dropped"]), (0, &1.into()), "{}", run.stderr);
 }

@@ -22,8 +22,8 @@ fn tube(count: usize) -> String {
 fn a_tube_is_fitted_to_a_tolerance() {
     let bench = Bench::new();
     bench.put("tube.xyz", tube(1500));
-    let run =
-        bench.run("fit-surface tube.xyz -o tube.json --controls 8x6 --tolerance 0.01 --json report.json");
+    let run = bench
+        .run("fit-surface tube.xyz -o tube.json --control-points 8x6 --tolerance 0.01 --json report.json");
     assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
     let report: Value = serde_json::from_str(&bench.text("report.json")).unwrap();
     assert_eq!((&report["command"], &report["status"]), (&"fit-surface".into(), &"done".into()));
@@ -42,7 +42,7 @@ fn a_tube_is_fitted_to_a_tolerance() {
     assert_eq!(again["results"]["controls"], results["controls"]);
     assert!(again["results"]["base"].is_null());
     // With more control points than it has, if asked.
-    let run = bench.run("fit-surface tube.xyz --init tube.json --controls 30x28 --json -");
+    let run = bench.run("fit-surface tube.xyz --init tube.json --control-points 30x28 --json -");
     let finer: Value = serde_json::from_str(&run.stdout).unwrap();
     assert_eq!(finer["results"]["controls"], serde_json::json!([30, 28]));
 }
@@ -66,9 +66,9 @@ fn the_kind_of_surface_is_decided_with_a_reason() {
     let half: String = tube(3000).lines().filter(|l| !l.contains(" -")).map(|l| format!("{l}\n")).collect();
     bench.put("half.xyz", half);
     for (command, base, why) in [
-        ("fit-surface tube.xyz --controls 10x8 --json -", "cylinder", "layers close around an axis"),
-        ("fit-surface tube.xyz --controls 10x8 --shape cylinder --json -", "cylinder", "asked for"),
-        ("fit-surface half.xyz --controls 8x8 --json -", "plane", "height field"),
+        ("fit-surface tube.xyz --control-points 10x8 --json -", "cylinder", "layers close around an axis"),
+        ("fit-surface tube.xyz --control-points 10x8 --shape cylinder --json -", "cylinder", "asked for"),
+        ("fit-surface half.xyz --control-points 8x8 --json -", "plane", "height field"),
     ] {
         let run = bench.run(command);
         assert_eq!(run.code, 0, "{command}: {}{}", run.stdout, run.stderr);
@@ -106,8 +106,8 @@ fn what_is_not_the_kind_of_surface_is_no_success() {
         ("block.xyz", 1, ""),
         ("tube.xyz", 0, ""),
     ] {
-        let run =
-            bench.run(&format!("fit-surface {arguments} -o out.json --controls 8x8 --max-iterations 6"));
+        let run = bench
+            .run(&format!("fit-surface {arguments} -o out.json --control-points 8x8 --max-iterations 6"));
         assert_eq!(run.code, code, "{arguments}: {}{}", run.stdout, run.stderr);
         assert!(run.stderr.contains(message), "{arguments}: {}", run.stderr);
     }
@@ -117,8 +117,9 @@ fn what_is_not_the_kind_of_surface_is_no_success() {
 fn a_tolerance_out_of_reach_is_said() {
     let bench = Bench::new();
     bench.put("tube.xyz", tube(600));
-    let run =
-        bench.run("fit-surface tube.xyz -o tube.json --controls 6x5 --tolerance 1e-6 --max-controls 40");
+    let run = bench.run(
+        "fit-surface tube.xyz -o tube.json --control-points 6x5 --tolerance 1e-6 --max-control-points 40",
+    );
     assert_eq!(run.code, 1, "{}{}", run.stdout, run.stderr);
     assert!(run.stdout.contains("NOT reached"), "{}", run.stdout);
     assert!(bench.text("tube.json").contains("surface"));
@@ -137,8 +138,8 @@ fn bad_input_and_usage() {
         ("fit-surface tube.xyz -o tube.xyz", "overwrite"),
         ("fit-surface tube.xyz -o out.json --tolerance 0", "abs_tolerance"),
         ("fit-surface tube.xyz -o out.json --init tube.xyz", "a surface is needed"),
-        ("fit-surface tube.xyz -o out.json --controls 3by4", "30x20"),
-        ("fit-surface tube.xyz -o out.json --init model.json --controls 1x1", "at least as many"),
+        ("fit-surface tube.xyz -o out.json --control-points 3by4", "30x20"),
+        ("fit-surface tube.xyz -o out.json --init model.json --control-points 1x1", "at least as many"),
         ("fit-surface missing.xyz -o out.json", "missing.xyz"),
     ] {
         let run = bench.run(command);

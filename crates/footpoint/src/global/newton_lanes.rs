@@ -319,8 +319,7 @@ fn round<S: Simd, const N: usize, const C: usize>(
     size: f64,
 ) -> Round<S> {
     let [s, t] = from.local;
-    let jets =
-        power::wide_jets(&power::jet::<N, Wide<S, C>>(net, s - origin[0], t - origin[1]));
+    let jets = power::wide_jets(&power::jet::<N, Wide<S, C>>(net, s - origin[0], t - origin[1]));
     let [point, du, dv, duu, duv, dvv] = &jets;
     let r = [point[0] - from.y[0], point[1] - from.y[1], point[2] - from.y[2]];
     let distance_sq = dot(&r, &r);

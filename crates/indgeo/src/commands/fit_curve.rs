@@ -28,10 +28,15 @@ pub(crate) struct Args {
     #[arg(long, value_name = "T", conflicts_with = "controls")]
     tolerance: Option<f64>,
     /// Number of control points, repetitions in a closed curve not counted [default: by tolerance or noise]
-    #[arg(long, value_name = "N", conflicts_with = "init")]
+    #[arg(long = "control-points", visible_alias = "controls", value_name = "N", conflicts_with = "init")]
     controls: Option<usize>,
     /// Most control points
-    #[arg(long, value_name = "N", default_value_t = 200)]
+    #[arg(
+        long = "max-control-points",
+        visible_alias = "max-controls",
+        value_name = "N",
+        default_value_t = 200
+    )]
     max_controls: usize,
     /// Degree
     #[arg(long, value_name = "P", default_value_t = 3, conflicts_with = "init")]
@@ -76,9 +81,9 @@ are written nevertheless); 2: bad input or usage.
 Examples:
   indgeo fit-curve section.xyz -o section.json
   indgeo fit-curve section.xyz -o section.json --tolerance 0.05 --points-out deviations.csv
-  indgeo fit-curve cloud.xyz -o curve.json --controls 24 --open --evolution evolution.svg
+  indgeo fit-curve cloud.xyz -o curve.json --control-points 24 --open --evolution evolution.svg
   indgeo fit-curve outline.xyz --init circle.json --search -o curve.json --evolution growth.json
-  indgeo fit-curve cloud.xyz --init start.json --term tangent --control none --report history.csv";
+  indgeo fit-curve cloud.xyz --init start.json --term tangent --step-control none --report history.csv";
 
 impl Args {
     /// The files that are read, and those that are written.

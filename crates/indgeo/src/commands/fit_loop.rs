@@ -12,7 +12,7 @@ pub(crate) struct LoopArgs {
     #[arg(long, visible_alias = "method", value_enum, default_value_t = TermChoice::SquaredDistance)]
     term: TermChoice,
     /// How the length of steps is controlled
-    #[arg(long, value_enum, default_value_t = ControlChoice::Armijo)]
+    #[arg(long = "step-control", alias = "control", value_enum, default_value_t = ControlChoice::Armijo)]
     control: ControlChoice,
     /// Factor of the bending energy: auto (asked from the data), continuation (to 0), or the least value (a number) [default: auto for
     /// curves and surfaces, otherwise 1e-8]

@@ -33,10 +33,22 @@ pub(crate) struct Args {
     #[arg(long, value_name = "SHARE", default_value_t = 1.0, requires = "tolerance")]
     share: f64,
     /// Control points on a section, and sections (to begin with, where there is a tolerance)
-    #[arg(long, value_name = "NxS", value_parser = parse_pair, default_value = "16x2", conflicts_with = "init")]
+    #[arg(
+        long = "control-points",
+        visible_alias = "controls",
+        value_name = "NxS",
+        value_parser = parse_pair,
+        default_value = "16x2",
+        conflicts_with = "init"
+    )]
     controls: [usize; 2],
     /// Most control points of all sections, for --tolerance
-    #[arg(long, value_name = "N", default_value_t = 2000)]
+    #[arg(
+        long = "max-control-points",
+        visible_alias = "max-controls",
+        value_name = "N",
+        default_value_t = 2000
+    )]
     max_controls: usize,
     /// Degree along the sections
     #[arg(long, value_name = "P", default_value_t = 3, conflicts_with = "init")]
@@ -97,10 +109,10 @@ Exit status 0: done, and the tolerance, if there is one, holds; 1: the tolerance
 surface is written nevertheless); 2: bad input or usage.
 
 Examples:
-  indgeo fit-ruled blade.ply -o flank.json --controls 20x2
-  indgeo fit-ruled vase.xyz -o layers.json --controls 25x7 --level
+  indgeo fit-ruled blade.ply -o flank.json --control-points 20x2
+  indgeo fit-ruled vase.xyz -o layers.json --control-points 25x7 --level
   indgeo fit-ruled vase.xyz -o layers.json --tolerance 0.1 --level=0,0,1
-  indgeo fit-ruled surface.json -o axis.json --controls 25x7 --offset 5
+  indgeo fit-ruled surface.json -o axis.json --control-points 25x7 --offset 5
   indgeo inspect layers.json vase.xyz --tolerance 0.1 --report report.html";
 
 impl Args {

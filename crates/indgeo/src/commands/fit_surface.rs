@@ -32,10 +32,15 @@ pub(crate) struct Args {
     share: f64,
     /// Control points in u and v (to begin with, where there is a tolerance); 12x12, or those of --init, which gets more knots for
     /// more
-    #[arg(long, value_name = "NxM", value_parser = parse_pair)]
+    #[arg(long = "control-points", visible_alias = "controls", value_name = "NxM", value_parser = parse_pair)]
     controls: Option<[usize; 2]>,
     /// Most control points, for --tolerance
-    #[arg(long, value_name = "N", default_value_t = 10_000)]
+    #[arg(
+        long = "max-control-points",
+        visible_alias = "max-controls",
+        value_name = "N",
+        default_value_t = 10_000
+    )]
     max_controls: usize,
     /// Degrees in u and v
     #[arg(long, value_name = "PxQ", default_value = "3x3", value_parser = parse_pair, conflicts_with = "init")]
@@ -82,13 +87,13 @@ nevertheless); 2: bad input or usage, as points that are not of the kind that wa
 
 Examples:
   indgeo fit-surface scan.ply -o surface.json --tolerance 0.05
-  indgeo fit-surface tube.xyz -o tube.json --controls 30x30 --shape cylinder
+  indgeo fit-surface tube.xyz -o tube.json --control-points 30x30 --shape cylinder
   indgeo fit-surface scan.ply -o better.json --init rough.json --outliers automatic
   indgeo inspect surface.json scan.ply --tolerance 0.05 --report report.html";
 
-/// Two counts: `30x20`, or one for both.
+/// Two counts: `30x20` (or `30,20`), or one for both.
 pub(super) fn parse_pair(text: &str) -> Result<[usize; 2], String> {
-    let parts: Vec<&str> = text.split(['x', 'X', '×']).collect();
+    let parts: Vec<&str> = text.split(['x', 'X', '×', ',']).collect();
     let number = |part: &str| part.trim().parse::<usize>().ok().filter(|n| (1..=10_000).contains(n));
     let pair = match parts[..] {
         [both] => number(both).map(|n| [n, n]),

@@ -1,6 +1,7 @@
 //! `indgeo parameterize`: parameters and a base surface for a cloud of which nothing is known.
 
 use super::Outcome;
+use super::fit_surface::parse_pair;
 use crate::args::Common;
 use crate::error::Error;
 use crate::parameterizing::{self, Job};
@@ -29,8 +30,8 @@ pub(crate) struct Args {
     /// A surface fitted with these parameters (NURBS JSON): least squares, finished by squared distance minimisation
     #[arg(long, value_name = "FITTED.json")]
     fit: Option<PathBuf>,
-    /// Control points of the fitted surface around and along [default: 30,30]
-    #[arg(long, value_name = "NU,NV", value_parser = parse_pair, requires = "fit")]
+    /// Control points of the fitted surface around and along [default: 30x30]
+    #[arg(long, value_name = "NxM", value_parser = parse_net, requires = "fit")]
     control_points: Option<[usize; 2]>,
     /// How many times the parameters of the fit are corrected by projection onto the fitted surface [default: 2]
     #[arg(long, value_name = "N", requires = "fit")]
@@ -48,7 +49,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(3..=60))]
     views: Option<u8>,
     /// Samples of the base surface around and along the axis [default: as dense as the points allow]
-    #[arg(long, value_name = "M,N", value_parser = parse_pair)]
+    #[arg(long, value_name = "NxM", value_parser = parse_net)]
     grid: Option<[usize; 2]>,
     /// Which points count when samples are drawn to the points
     #[arg(long, value_enum, default_value_t = WeightChoice::NearAxis)]
@@ -89,7 +90,7 @@ ends (files are written nevertheless); 2: bad input or usage, as points that do 
 Examples:
   indgeo parameterize scan.ply -o base.json --params uv.csv
   indgeo parameterize scan.ply -o base.json --shape cylinder --axis 0,0,1 --json report.json
-  indgeo parameterize scan.ply --fit surface.json --control-points 55,55";
+  indgeo parameterize scan.ply --fit surface.json --control-points 55x55";
 
 fn parse_direction(text: &str) -> Result<[f64; 3], String> {
     super::parse_triple(text)
@@ -97,11 +98,12 @@ fn parse_direction(text: &str) -> Result<[f64; 3], String> {
         .ok_or_else(|| "a direction is three numbers, not all zero: X,Y,Z".to_owned())
 }
 
-fn parse_pair(text: &str) -> Result<[usize; 2], String> {
-    let parts: Option<Vec<usize>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
-    let pair: Option<[usize; 2]> = parts.and_then(|parts| parts.try_into().ok());
-    pair.filter(|pair| pair.iter().all(|n| (4..=2000).contains(n)))
-        .ok_or_else(|| "this is two whole numbers from 4 to 2000 separated by a comma".to_owned())
+/// The numbers of rows and columns of a net.
+fn parse_net(text: &str) -> Result<[usize; 2], String> {
+    parse_pair(text)
+        .ok()
+        .filter(|pair| pair.iter().all(|n| (4..=2000).contains(n)))
+        .ok_or_else(|| "give two counts from 4 to 2000, as 30x20".to_owned())
 }
 
 impl Args {
