@@ -15,11 +15,11 @@
 use super::all_feet_line::{Harvest, Level, Line, Range, Spot};
 use super::box_tests::{Bends, argmin, bends, edge, largest, sag_direction};
 use super::descend::Foot;
-use super::dispatch::vectorized;
 use super::gap::Gap;
 use super::lanes::{Row, WIDTH, add_scaled, zero_row};
 use super::patch::{PatchSet, bounds, extent};
 use super::scratch::Region;
+use super::simd::vectorized;
 use super::tree::{Bounds, Content, Visit};
 use nalgebra::Vector3;
 

@@ -1,7 +1,7 @@
 //! Local minimisation of the distance on the patches: Newton's method with an active set.
 
-use super::dispatch::vectorized;
 use super::geometry::{Geometry, Patch};
+use super::simd::vectorized;
 use nalgebra::Vector3;
 use nurbs_core::SurfaceJet;
 

@@ -2,10 +2,9 @@
 
 use super::descend::GROWTH;
 use super::newton_lanes::{At, Round, dot, open};
-use super::pack::Pack;
 use super::power::Wide;
+use super::simd::{Pack, Simd};
 use crate::projector::classify::{DEGENERATE_SQ, ON_BORDER, ORTHOGONAL, ORTHOGONAL_FLOOR, STANDSTILL};
-use pulp::Simd;
 
 /// Feet of queries side by side.
 pub(super) struct Landing<S: Simd> {

@@ -5,12 +5,11 @@ use super::descend::{
 };
 use super::geometry::{Geometry, Patch};
 use super::landing_lanes::{Landing, landing};
-use super::pack::{MOST, Pack};
 use super::power::{self, Wide};
+use super::simd::{MOST, Pack, Simd};
 use crate::{Location, Multiplicity, Status, SurfaceFootpoint};
 use nalgebra::Vector3;
 use nurbs_core::SurfaceJet;
-use pulp::Simd;
 
 /// A point on its way downhill.
 #[derive(Clone, Copy, Debug, Default)]

@@ -7,10 +7,9 @@
 
 use super::bernstein::binomial;
 use super::geometry::Homogeneous;
-use super::pack::Pack;
+use super::simd::{Pack, Simd};
 use nalgebra::Vector3;
 use nurbs_core::SurfaceJet;
-use pulp::Simd;
 
 /// Largest degree that is kept in this form. Lower degrees are filled up with zeros to 2 x 2 or 3 x 3.
 pub(crate) const MAX_POWER_DEGREE: usize = 3;
@@ -243,6 +242,7 @@ pub(super) fn wide_jets<S: Simd, const C: usize>(a: &[Wide<S, C>; 6]) -> [Wide<S
 #[cfg(test)]
 #[expect(clippy::cast_possible_truncation, reason = "small degrees")]
 mod tests {
+    use super::super::simd::Scalar;
     use super::*;
 
     #[test]
@@ -268,8 +268,8 @@ mod tests {
             (0..64).map(|i| (f64::from(i) * 0.754_877_666).fract() + 0.25).chain([0.0]).collect();
         let (s, t) = (0.1, -0.3);
         let single = jet::<4, Quad<4>>(&net, s, t);
-        let pack = |value| Pack::splat(pulp::Scalar, value);
-        let wide = jet::<4, Wide<pulp::Scalar, 4>>(&net, pack(s), pack(t));
+        let pack = |value| Pack::splat(Scalar, value);
+        let wide = jet::<4, Wide<Scalar, 4>>(&net, pack(s), pack(t));
         for k in 0..6 {
             for c in 0..4 {
                 let (i_min, j_min) = ([0, 1, 0, 2, 1, 0][k], [0, 0, 1, 0, 1, 2][k]);

@@ -13,12 +13,12 @@
 
 use super::box_tests::{Bends, argmin, bends, edge, evaluate, sag_direction};
 use super::descend::Foot;
-use super::dispatch::vectorized;
 use super::gap::Gap;
 use super::lanes::{Row, WIDTH, row_min, widen, zero_row};
 use super::line::{LineProof, Segment, prove_line};
 use super::patch::PatchSet;
 use super::scratch::{Region, Scratch};
+use super::simd::vectorized;
 use super::valley::{is_promising_u, is_promising_v, transpose, valley};
 use nalgebra::Vector3;
 

@@ -1,11 +1,11 @@
 //! Best-first search for the nearest point of a set of curve pieces, and its certificate.
 
 use super::descend::{FLATTEST, SLOPE_NOISE_SQ};
-use super::dispatch::vectorized;
 use super::gap::Gap;
 use super::lanes::{Row, WIDTH, row_max, row_min};
 use super::line::{LineProof, Segment, prove_line};
 use super::piece::PieceSet;
+use super::simd::vectorized;
 use super::tree::{Content, Visit};
 use nalgebra::SVector;
 

@@ -1,9 +1,9 @@
 //! The sides of a place on a curve: [`sides`](super::sides) for curves, whose pieces may meet in a kink.
 
-use super::dispatch::vectorized;
 use super::piece::PieceSet;
 use super::search_curve::CurveFoot;
 use super::sides::{ROUNDS, WORTH};
+use super::simd::vectorized;
 use crate::projector::classify::{ORTHOGONAL, ORTHOGONAL_FLOOR};
 use nalgebra::SVector;
 

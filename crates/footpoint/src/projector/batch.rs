@@ -1,7 +1,7 @@
 //! Many points at once: coherent order, warm starts, threads (the only file that knows `rayon`).
 
 use super::Progress;
-use crate::global::dispatch::vectorized;
+use crate::global::simd::vectorized;
 use nalgebra::SVector;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};

@@ -3,10 +3,10 @@
 use super::Progress;
 use super::all_feet::{self, CurveFeet};
 use super::batch::{self, Batch};
-use crate::global::dispatch::vectorized;
 use crate::global::gap::Gap;
 use crate::global::piece::PieceSet;
 use crate::global::search_curve::{CurveFoot, CurveScratch};
+use crate::global::simd::vectorized;
 use crate::{CurveFootpoint, Error, Location, Mode, Multiplicity, ProjectionOptions, Status, UpdateOptions};
 use nalgebra::SVector;
 use nurbs_core::BsplineCurve;

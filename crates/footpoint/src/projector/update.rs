@@ -3,12 +3,11 @@
 use super::batch;
 use super::curve::CurveProjector;
 use super::surface::{Sets, SurfaceProjector, with_set};
-use crate::global::dispatch::{Task, dispatch};
 use crate::global::geometry::Geometry;
 use crate::global::newton_lanes::{Outcome, Walker};
+use crate::global::simd::{Simd, Task, dispatch};
 use crate::{CurveFootpoint, Error, SurfaceFootpoint, UpdateOptions};
 use nalgebra::{SVector, Vector3};
-use pulp::Simd;
 
 /// Walkers on one patch that are not worth the vectors.
 const FEW: usize = 2;

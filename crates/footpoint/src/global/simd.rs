@@ -1,8 +1,12 @@
-//! Numbers side by side, as many as a vector of the machine holds (with [`dispatch`](super::dispatch) all that knows `pulp`).
+//! Numbers side by side, as many as a vector of the machine holds, and the choice of the instruction set at run time (the only file
+//! that knows `pulp`).
 //!
 //! Only plain sums, products and quotients are offered, no fused ones: every width gives the same bits.
 
-use pulp::{Simd, bytemuck};
+#[cfg(test)]
+pub(crate) use pulp::Scalar;
+pub(crate) use pulp::Simd;
+use pulp::bytemuck;
 use std::ops::{Add, Div, Mul, Sub};
 
 /// Most numbers of a [`Pack`] on any machine.
@@ -124,6 +128,43 @@ fn bits<M: bytemuck::NoUninit>(mask: &M) -> u32 {
     }
 }
 
+/// Runs `op` compiled for the widest vector instructions of the machine.
+///
+/// Everything that `op` calls must be `#[inline(always)]` to profit. Only plain products and sums are
+/// used inside, never fused ones, so that every machine computes the same bits.
+#[inline]
+pub(crate) fn vectorized<R>(op: impl FnOnce() -> R) -> R {
+    struct Op<F>(F);
+    impl<R, F: FnOnce() -> R> pulp::WithSimd for Op<F> {
+        type Output = R;
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, _: S) -> R {
+            (self.0)()
+        }
+    }
+    pulp::Arch::new().dispatch(Op(op))
+}
+
+/// Work that is written once for vectors of any width.
+pub(crate) trait Task {
+    /// Does the work, all of it `#[inline(always)]`.
+    fn run<S: Simd>(self, simd: S);
+}
+
+/// Runs a task with the widest vectors of the machine.
+#[inline]
+pub(crate) fn dispatch(task: impl Task) {
+    struct Op<T>(T);
+    impl<T: Task> pulp::WithSimd for Op<T> {
+        type Output = ();
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            self.0.run(simd);
+        }
+    }
+    pulp::Arch::new().dispatch(Op(task));
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -151,7 +192,7 @@ mod tests {
 
     #[test]
     fn every_width_computes_the_same() {
-        check(pulp::Scalar);
+        check(Scalar);
         #[cfg(target_arch = "x86_64")]
         {
             if let Some(simd) = pulp::x86::V3::try_new() {
