@@ -173,7 +173,13 @@ impl KnotVector {
     #[must_use]
     #[inline]
     pub fn span(&self, t: f64) -> usize {
-        self.table.span(self.degree, &self.knots, t)
+        self.table.span(&self.knots, t)
+    }
+
+    /// [`span`](Self::span) where no search is needed for it.
+    #[inline(always)]
+    pub(crate) fn span_without_search(&self, t: f64) -> Option<usize> {
+        self.table.span_without_search(t)
     }
 
     /// [`span`](Self::span) with a guess: when `t` lies in span `hint` no search is made.

@@ -3,7 +3,7 @@
 //! Only plain additions, subtractions, multiplications and divisions are offered, no fused ones: every
 //! width of vector, and the single number, gives the same bits. The only file that knows `pulp`.
 
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Arch, Simd, WithSimd, bytemuck};
 
 /// A way to compute on `COUNT` numbers at once.
 pub(crate) trait Lanes: Copy {
@@ -11,12 +11,18 @@ pub(crate) trait Lanes: Copy {
     type V: Copy;
     /// How many numbers one value holds.
     const COUNT: usize;
+    /// Vectors of half the width where the machine has them, else the same: for what does not fill one.
+    type Half: Lanes;
+    /// These.
+    fn half(self) -> Self::Half;
     /// The same number in every lane.
     fn splat(self, x: f64) -> Self::V;
     /// The first `COUNT` numbers of a slice that has as many.
     fn load(self, from: &[f64]) -> Self::V;
     /// Writes the lanes to the front of a slice that has room for them.
     fn store(self, x: Self::V, to: &mut [f64]);
+    /// For every lane the numbers that four values have in it.
+    fn store_quadruples(self, x: [Self::V; 4], to: &mut [[f64; 4]; MAX_LANES]);
     /// `a + b`.
     fn add(self, a: Self::V, b: Self::V) -> Self::V;
     /// `a − b`.
@@ -34,6 +40,11 @@ pub(crate) struct One;
 impl Lanes for One {
     type V = f64;
     const COUNT: usize = 1;
+    type Half = Self;
+    #[inline(always)]
+    fn half(self) -> Self {
+        self
+    }
     #[inline(always)]
     fn splat(self, x: f64) -> f64 {
         x
@@ -44,6 +55,10 @@ impl Lanes for One {
     }
     #[inline(always)]
     fn store(self, x: f64, to: &mut [f64]) {
+        to[0] = x;
+    }
+    #[inline(always)]
+    fn store_quadruples(self, x: [f64; 4], to: &mut [[f64; 4]; MAX_LANES]) {
         to[0] = x;
     }
     #[inline(always)]
@@ -64,13 +79,18 @@ impl Lanes for One {
     }
 }
 
-/// The vectors of one instruction set.
+/// The vectors of one instruction set, and those of another one that it contains.
 #[derive(Clone, Copy)]
-struct Wide<S>(S);
+struct Wide<S, H>(S, H);
 
-impl<S: Simd> Lanes for Wide<S> {
+impl<S: Simd, H: Simd> Lanes for Wide<S, H> {
     type V = S::f64s;
     const COUNT: usize = S::F64_LANES;
+    type Half = Wide<H, H>;
+    #[inline(always)]
+    fn half(self) -> Wide<H, H> {
+        Wide(self.1, self.1)
+    }
     #[inline(always)]
     fn splat(self, x: f64) -> S::f64s {
         self.0.splat_f64s(x)
@@ -82,6 +102,17 @@ impl<S: Simd> Lanes for Wide<S> {
     #[inline(always)]
     fn store(self, x: S::f64s, to: &mut [f64]) {
         S::as_mut_simd_f64s(to).0[0] = x;
+    }
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "numbers of lanes")]
+    #[inline(always)]
+    fn store_quadruples(self, x: [S::f64s; 4], to: &mut [[f64; 4]; MAX_LANES]) {
+        // They come in an order of the processor's own, which numbers of lanes show; known when this is compiled.
+        let lanes = self.0.interleave_shfl_f64s([self.load(&LANES); 4]);
+        let quadruples = self.0.interleave_shfl_f64s(x);
+        let [lanes, quadruples] = [&lanes, &quadruples].map(|q| bytemuck::cast_slice::<_, [f64; 4]>(q));
+        for k in 0..S::F64_LANES {
+            to[lanes[k][0] as usize] = quadruples[k];
+        }
     }
     #[inline(always)]
     fn add(self, a: S::f64s, b: S::f64s) -> S::f64s {
@@ -101,6 +132,9 @@ impl<S: Simd> Lanes for Wide<S> {
     }
 }
 
+/// The numbers of the lanes.
+const LANES: [f64; MAX_LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
+
 /// The widest vectors that [`Lanes::COUNT`] stands for on any machine.
 pub(crate) const MAX_LANES: usize = 8;
 
@@ -117,13 +151,25 @@ impl<K: Kernel> WithSimd for Adapter<K> {
     type Output = ();
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        self.0.run(Wide(simd));
+        self.0.run(Wide(simd, simd));
     }
 }
 
 /// Runs a kernel with the widest vectors of the machine it runs on.
 pub(crate) fn dispatch(kernel: impl Kernel) {
-    Arch::new().dispatch(Adapter(kernel));
+    match Arch::new() {
+        #[cfg(target_arch = "x86_64")]
+        Arch::V4(simd) => with_halves(simd, kernel),
+        arch => arch.dispatch(Adapter(kernel)),
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+fn with_halves(simd: pulp::x86::V4, kernel: impl Kernel) {
+    simd.vectorize(
+        #[inline(always)]
+        || kernel.run(Wide(simd, *simd)),
+    );
 }
 
 /// One of the widths that this machine has.
@@ -159,7 +205,7 @@ impl Width {
             #[cfg(target_arch = "x86_64")]
             Self::V3(simd) => Simd::vectorize(simd, Adapter(kernel)),
             #[cfg(target_arch = "x86_64")]
-            Self::V4(simd) => Simd::vectorize(simd, Adapter(kernel)),
+            Self::V4(simd) => with_halves(simd, kernel),
         }
     }
 }

@@ -3,6 +3,9 @@
 /// Highest degree with compiled paths of its own; above it the general recurrence runs.
 pub(crate) const MAX_FIXED_DEGREE: usize = 5;
 
+/// A number so large that the last digit of its mantissa stands for one.
+const ROUND: f64 = (1_u64 << 52) as f64;
+
 /// Candidate spans up to this number are walked through, more are bisected.
 const WALK: usize = 8;
 
@@ -12,12 +15,24 @@ pub(crate) struct SpanTable {
     /// `p(p+1)/2` numbers for each span, in the order in which the recurrence uses them.
     /// Empty above [`MAX_FIXED_DEGREE`], where they would outgrow the control points.
     reciprocals: Vec<f64>,
-    /// For every bucket the last non-empty span that starts in a bucket before it, or the first span
-    /// if there is none; one entry more than there are buckets.
-    candidates: Vec<usize>,
+    /// Equal parts of the domain, the first and the last one half as long.
+    buckets: Vec<Bucket>,
     start: f64,
     /// Buckets per unit of the parameter.
     scale: f64,
+    /// Index of the last bucket.
+    last: f64,
+}
+
+/// The spans that the parameters of one part of the domain lie in.
+#[derive(Clone, Copy, PartialEq)]
+struct Bucket {
+    /// The last non-empty span that starts before this part (the first span, if there is none).
+    before: usize,
+    /// The last non-empty span that starts before the next part.
+    last: usize,
+    /// Where `last` starts; infinite if other spans start in this part as well.
+    knot: f64,
 }
 
 // A knot vector prints its knots; what follows from them would bury them.
@@ -43,48 +58,64 @@ impl SpanTable {
             }
         }
         // Twice as many buckets as spans: on uniform knots no bucket has more than one knot.
-        let buckets = 2 * (n - degree);
-        let scale = buckets as f64 / (knots[n] - knots[degree]);
-        let mut table = Self { reciprocals, candidates: Vec::new(), start: knots[degree], scale };
-        let mut candidates = Vec::with_capacity(buckets + 1);
-        let mut last = None;
-        for span in (degree..n).filter(|&i| knots[i + 1] > knots[i]) {
-            let own = table.bucket(knots[span], buckets);
-            while candidates.len() <= own {
-                candidates.push(last.unwrap_or(span));
-            }
-            last = Some(span);
-        }
-        candidates.resize(buckets + 1, last.unwrap_or(degree));
-        table.candidates = candidates;
+        let count = 2 * (n - degree);
+        let scale = count as f64 / (knots[n] - knots[degree]);
+        let last = count as f64;
+        let mut table = Self { reciprocals, buckets: Vec::new(), start: knots[degree], scale, last };
+        table.buckets = table.sorted_in(count + 1, knots, (degree..n).filter(|&i| knots[i + 1] > knots[i]));
         table
     }
 
+    /// The buckets of the non-empty spans, which come in order.
+    fn sorted_in(&self, count: usize, knots: &[f64], spans: impl Iterator<Item = usize>) -> Vec<Bucket> {
+        let mut spans = spans.peekable();
+        // The first span starts with the first bucket.
+        let mut before = spans.peek().copied().unwrap_or_default();
+        let mut buckets = Vec::with_capacity(count);
+        for index in 0..count {
+            let (mut last, mut starts) = (before, 0);
+            while let Some(span) = spans.next_if(|&span| self.bucket(knots[span]) == index) {
+                last = span;
+                starts += usize::from(span != before);
+            }
+            let knot = if starts <= 1 { knots[last] } else { f64::INFINITY };
+            buckets.push(Bucket { before, last, knot });
+            before = last;
+        }
+        buckets
+    }
+
+    /// The bucket of a parameter; of the first or last one outside of the domain, of the first one for NaN.
     /// Monotone in `t`, whatever the rounding: what the search relies on.
-    #[expect(clippy::cast_possible_truncation, reason = "the cast saturates")]
+    #[expect(clippy::cast_possible_truncation, reason = "an index of the buckets")]
     #[inline(always)]
-    fn bucket(&self, t: f64, buckets: usize) -> usize {
-        // The cast to a signed number takes half the instructions of one to an unsigned number.
-        let index = ((t - self.start) * self.scale) as i64;
-        usize::try_from(index).unwrap_or(0).min(buckets - 1)
+    fn bucket(&self, t: f64) -> usize {
+        let x = (t - self.start) * self.scale;
+        // A sum of this size ends with the number rounded to an integer: a third of the instructions of a
+        // cast, which has to think of numbers that are none.
+        let x = if x > 0.0 { x } else { 0.0 };
+        let x = if x < self.last { x } else { self.last };
+        ((x + ROUND).to_bits() - ROUND.to_bits()) as usize
     }
 
     /// The span of `t` among the knots that the table was made of; outside of the domain, and for
     /// NaN, the first or last non-empty span of it.
     #[inline(always)]
-    pub(crate) fn span(&self, degree: usize, knots: &[f64], t: f64) -> usize {
-        let buckets = self.candidates.len() - 1;
-        if t >= knots[knots.len() - degree - 1] {
-            return self.candidates[buckets];
-        }
+    pub(crate) fn span(&self, knots: &[f64], t: f64) -> usize {
+        self.span_without_search(t).unwrap_or_else(|| {
+            let bucket = &self.buckets[self.bucket(t)];
+            search(knots, bucket.before, bucket.last, t)
+        })
+    }
+
+    /// [`span`](Self::span) where the table says it: everywhere but near knots that lie close together.
+    #[inline(always)]
+    pub(crate) fn span_without_search(&self, t: f64) -> Option<usize> {
         // A knot in an earlier bucket lies before t, one in a later bucket after it.
-        let bucket = self.bucket(t, buckets);
-        let (low, high) = (self.candidates[bucket], self.candidates[bucket + 1]);
-        if high - low <= 1 {
-            // No branch that a processor could mispredict.
-            return low + ((high - low) & usize::from(knots[high] <= t));
-        }
-        search(knots, low, high, t)
+        let Bucket { before, last, knot } = self.buckets[self.bucket(t)];
+        // No branch that a processor could mispredict.
+        let span = if knot <= t { last } else { before };
+        (knot < f64::INFINITY).then_some(span)
     }
 
     /// `1 / (t_{s+r+1} − t_{s+r+1−j})` for `j = 1…p`, `r = 0…j−1`, at index `j(j−1)/2 + r`.

@@ -32,8 +32,11 @@ impl<const D: usize> BsplineCurve<D> {
         }
         let length = chunk_length(self.knots().basis_count());
         let mut groups = GROUPS.take();
+        let mut wrapped = Vec::new();
         for (params, out) in params.chunks(length).zip(out.chunks_mut(length)) {
-            groups.fill(self.knots().basis_count(), params, |t| [self.wrap(t)], |[t]| self.knots().span(t));
+            wrapped.clear();
+            wrapped.extend(params.iter().map(|&t| [self.wrap(t)]));
+            groups.fill([self.knots()], &wrapped);
             dispatch(Jets { curve: self, groups: &groups, out });
         }
         GROUPS.set(groups);

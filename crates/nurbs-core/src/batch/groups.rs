@@ -1,16 +1,20 @@
 //! Parameters sorted by the span that they lie in.
 
+use crate::KnotVector;
 use crate::simd::MAX_LANES;
 
 /// The parameters of one chunk, `D` numbers each, in groups.
 pub(crate) struct Groups<const D: usize> {
-    /// By parameter, and in the order of the groups.
-    keys: Vec<usize>,
-    sorted_keys: Vec<usize>,
+    /// By parameter.
+    keys: Vec<u32>,
+    /// By key: how many parameters have it, then the next free place for one of them.
+    places: Vec<u32>,
+    /// Keys and indices of the parameters, where there are too many keys to count them all.
+    pairs: Vec<(u32, u32)>,
+    /// Key and place of the first parameter of each group; one more entry for the end.
+    starts: Vec<(u32, u32)>,
     /// Where each sorted parameter came from.
     order: Vec<u32>,
-    /// For the counting sort: the next free place of each key.
-    places: Vec<usize>,
     sorted: [Vec<f64>; D],
 }
 
@@ -28,87 +32,123 @@ impl<const D: usize> Default for Groups<D> {
     fn default() -> Self {
         Self {
             keys: Vec::new(),
-            sorted_keys: Vec::new(),
-            order: Vec::new(),
             places: Vec::new(),
+            pairs: Vec::new(),
+            starts: Vec::new(),
+            order: Vec::new(),
             sorted: [const { Vec::new() }; D],
         }
     }
 }
 
+/// An index of a parameter or a control point.
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "chunks are short, and larger nets are not evaluated in lanes"
+)]
+#[inline(always)]
+fn narrow(index: usize) -> u32 {
+    index as u32
+}
+
 impl<const D: usize> Groups<D> {
-    /// Takes a chunk. `numbers` is a parameter as it is to be evaluated (wrapped), `key`
-    /// what its group has in common, below `key_count`.
-    pub(crate) fn fill<P: Copy>(
-        &mut self,
-        key_count: usize,
-        params: &[P],
-        numbers: impl Fn(P) -> [f64; D],
-        key: impl Fn([f64; D]) -> usize,
-    ) {
+    /// Takes a chunk of parameters, wrapped, and groups them by their spans.
+    pub(crate) fn fill(&mut self, knots: [&KnotVector; D], params: &[[f64; D]]) {
         let count = params.len();
         self.keys.clear();
-        self.keys.extend(params.iter().map(|&p| key(numbers(p))));
+        self.keys.resize(count, 0);
+        for d in 0..D {
+            self.add_spans(knots[d], params.iter().map(|p| p[d]));
+        }
         self.order.resize(count, 0);
-        self.sorted_keys.resize(count, 0);
+        self.starts.clear();
+        let key_count = knots.iter().map(|k| k.basis_count()).product();
+        if key_count <= 4 * count {
+            self.sort_by_counting(key_count);
+        } else {
+            self.sort_pairs();
+        }
+        self.starts.push((0, narrow(count)));
         for sorted in &mut self.sorted {
             // What follows the last parameter fills up vectors, and is evaluated for nothing.
             sorted.resize(count + MAX_LANES, 0.0);
         }
-        if key_count <= 4 * count {
-            self.count_keys(key_count);
-            for (index, &p) in params.iter().enumerate() {
-                let slot = &mut self.places[self.keys[index]];
-                let place = *slot;
-                *slot += 1;
-                self.put(place, index, numbers(p));
-            }
-        } else {
-            let mut order: Vec<usize> = (0..count).collect();
-            order.sort_unstable_by_key(|&index| (self.keys[index], index));
-            for (place, &index) in order.iter().enumerate() {
-                self.put(place, index, numbers(params[index]));
+        for (place, &index) in self.order.iter().enumerate() {
+            let parameter = params[index as usize];
+            for d in 0..D {
+                self.sorted[d][place] = parameter[d];
             }
         }
     }
 
-    /// Writes a parameter to its place in the sorted order.
-    #[inline(always)]
-    fn put(&mut self, place: usize, index: usize, parameter: [f64; D]) {
-        self.order[place] = u32::try_from(index).unwrap_or(u32::MAX);
-        self.sorted_keys[place] = self.keys[index];
-        for d in 0..D {
-            self.sorted[d][place] = parameter[d];
+    /// Appends the spans of one direction to the keys, as the next digit of a number.
+    fn add_spans(&mut self, knots: &KnotVector, params: impl Iterator<Item = f64> + Clone) {
+        let base = narrow(knots.basis_count());
+        let mut searches = 0;
+        for (key, t) in self.keys.iter_mut().zip(params.clone()) {
+            let span = knots.span_without_search(t);
+            *key = *key * base + narrow(span.unwrap_or_default());
+            searches += usize::from(span.is_none());
+        }
+        if searches == 0 {
+            return;
+        }
+        // Rare, and apart from the others, which a call between them would slow down.
+        for (key, t) in self.keys.iter_mut().zip(params) {
+            if knots.span_without_search(t).is_none() {
+                *key += narrow(knots.span(t));
+            }
         }
     }
 
-    /// Prepares the counting sort.
-    fn count_keys(&mut self, key_count: usize) {
+    fn sort_by_counting(&mut self, key_count: usize) {
         self.places.clear();
         self.places.resize(key_count, 0);
         for &key in &self.keys {
-            self.places[key] += 1;
+            self.places[key as usize] += 1;
         }
+        self.start_groups();
+        for (&key, index) in self.keys.iter().zip(0..) {
+            let place = &mut self.places[key as usize];
+            self.order[*place as usize] = index;
+            *place += 1;
+        }
+    }
+
+    fn sort_pairs(&mut self) {
+        self.pairs.clear();
+        self.pairs.extend(self.keys.iter().copied().zip(0..));
+        self.pairs.sort_unstable();
+        for ((order, &(key, index)), place) in self.order.iter_mut().zip(&self.pairs).zip(0..) {
+            *order = index;
+            if self.starts.last().is_none_or(|&(last, _)| last != key) {
+                self.starts.push((key, place));
+            }
+        }
+    }
+
+    /// From the number of parameters with each key to where they start.
+    fn start_groups(&mut self) {
         let mut place = 0;
-        for slot in &mut self.places {
-            place += std::mem::replace(slot, place);
+        for (slot, key) in self.places.iter_mut().zip(0..) {
+            let count = std::mem::replace(slot, place);
+            if count > 0 {
+                self.starts.push((key, place));
+                place += count;
+            }
         }
     }
 
     /// The groups, by increasing key.
     pub(crate) fn iter(&self) -> impl Iterator<Item = Group<'_, D>> {
-        let mut start = 0;
-        std::iter::from_fn(move || {
-            let keys = self.sorted_keys.get(start..)?;
-            let key = *keys.first()?;
-            let length = keys.iter().take_while(|&&other| other == key).count();
-            let group = Group {
-                key,
-                order: &self.order[start..][..length],
+        self.starts.windows(2).map(|pair| {
+            let ((key, start), (_, end)) = (pair[0], pair[1]);
+            let start = start as usize;
+            Group {
+                key: key as usize,
+                order: &self.order[start..end as usize],
                 parameters: std::array::from_fn(|d| &self.sorted[d][start..]),
-            };
-            start += length;
-            Some(group)
+            }
         })
     }
 }

@@ -7,6 +7,7 @@
 mod curve;
 mod groups;
 mod surface;
+mod surface_lanes;
 
 use crate::Error;
 
@@ -16,7 +17,7 @@ const SMALLEST: usize = 16;
 /// How many parameters are grouped at a time for a shape with so many control points: several for each
 /// patch, but few enough that their results, which are not written in order, stay in the caches.
 fn chunk_length(control_points: usize) -> usize {
-    (16 * control_points).clamp(1 << 12, 1 << 16)
+    (8 * control_points).clamp(1 << 12, 1 << 16)
 }
 
 fn check_lengths(parameters: usize, results: usize) -> Result<(), Error> {
