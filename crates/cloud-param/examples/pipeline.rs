@@ -74,7 +74,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         SurfaceDefects::of(&fit.surface, None)
     );
     let began = Instant::now();
-    let (done, report) = finish_fit(&points, &found.counts, fit, &finish_options())?;
+    let (done, report) = finish_fit(&points, &found.counts, fit, &finish_options(points.len()))?;
     println!(
         "  sdm {}: rms {:.5?} {:?}, max {:.4}, moved back {:.4}, {:.2} s: {}",
         report.outcome.name(),

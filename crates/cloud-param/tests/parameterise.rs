@@ -237,7 +237,7 @@ fn squared_distance_minimisation_finishes_a_fit() {
     let options = FitOptions { control_points: [14, 10], corrections: 0, ..FitOptions::default() };
     let fit = fit_parameters(&points, &found.base, &found.feet, &found.counts, &options).unwrap();
     let before = fit.rms;
-    let mut sdm = finish_options();
+    let mut sdm = finish_options(points.len());
     sdm.fit = sdm.fit.with_max_iterations(8);
     let (done, report) = finish_fit(&points, &found.counts, fit, &sdm).unwrap();
     assert!(done.rms < 0.8 * before, "{before} {}", done.rms);
@@ -263,7 +263,7 @@ fn a_finish_that_is_cancelled_keeps_the_fitted_surface() {
             if step.iteration == last { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
         let (done, report) =
-            finish_fit_with_progress(&points, &found.counts, fit.clone(), &finish_options(), &progress)
+            finish_fit_with_progress(&points, &found.counts, fit.clone(), &finish_options(points.len()), &progress)
                 .unwrap();
         let steps = steps.into_inner().unwrap();
         assert!(steps.iter().copied().eq(1..=steps.len()), "{steps:?}");

@@ -167,7 +167,7 @@ fn over_base_surface(
     };
     let least_squares = fit_parameters(points, &found.base, &found.feet, &found.counts, &fit)?;
     start.least_squares_rms = Some(least_squares.rms);
-    let like_finish = finish_options();
+    let like_finish = finish_options(points.len());
     let near = options.with_fit(match options.fit.smoothing {
         Smoothing::Automatic { .. } => options.fit.with_smoothing(like_finish.fit.smoothing),
         _ => options.fit,

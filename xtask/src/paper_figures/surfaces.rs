@@ -17,7 +17,7 @@ pub(super) fn steps(
     let options = FitOptions { control_points, ..FitOptions::default() };
     let fit = fit_parameters(points, &found.base, &found.feet, &found.counts, &options)?;
     let (least_squares, rms) = (fit.surface.clone(), fit.rms);
-    let (finished, _) = finish_fit(points, &found.counts, fit, &finish_options())?;
+    let (finished, _) = finish_fit(points, &found.counts, fit, &finish_options(points.len()))?;
     let axis = found.report.axis.direction;
     let camera = Camera::new(&axis, &Vector3::ith(axis.iamin(), 1.0).cross(&axis).normalize());
     let cloud: Vec<Vector2<f64>> = points.iter().map(|p| camera.seen(p).xy()).collect();
