@@ -118,6 +118,17 @@ const MEASUREMENTS: &[Measurement] = &[
         one_thread: true,
     },
     Measurement {
+        name: "real-fits",
+        title: "Fits of real data",
+        about: "Sections of an airfoil and of a scanned blade, the outline of a horse in an image, a side of the blade: as the data ask for, and \
+                to a tolerance. Wanted: closed curves that do not cross themselves, and the tolerance.",
+        package: "industrial-geometry",
+        features: "",
+        example: "real_fits",
+        arguments: &[],
+        one_thread: false,
+    },
+    Measurement {
         name: "surfaces",
         title: "Large fits of surfaces",
         about: "From a cloud without parameters to the surface, on all threads. Wanted on two cores: 64,000 points and 55 x 55 control \

@@ -262,9 +262,14 @@ fn a_finish_that_is_cancelled_keeps_the_fitted_surface() {
             steps.lock().unwrap().push(step.iteration);
             if step.iteration == last { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
-        let (done, report) =
-            finish_fit_with_progress(&points, &found.counts, fit.clone(), &finish_options(points.len()), &progress)
-                .unwrap();
+        let (done, report) = finish_fit_with_progress(
+            &points,
+            &found.counts,
+            fit.clone(),
+            &finish_options(points.len()),
+            &progress,
+        )
+        .unwrap();
         let steps = steps.into_inner().unwrap();
         assert!(steps.iter().copied().eq(1..=steps.len()), "{steps:?}");
         if steps.contains(&last) {

@@ -182,7 +182,8 @@ fn fit(
     }
     let progress = Progress::new("finishing", job.quiet);
     let tell = |_: &StepRecord| progress.tick();
-    let (fit, finish) = finish_fit_with_progress(cloud, &found.counts, fit, &finish_options(cloud.len()), &tell)?;
+    let (fit, finish) =
+        finish_fit_with_progress(cloud, &found.counts, fit, &finish_options(cloud.len()), &tell)?;
     Ok((fit, least_squares, Some(finish)))
 }
 

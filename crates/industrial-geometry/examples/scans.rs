@@ -80,7 +80,8 @@ impl Scan {
         let fit = clock.elapsed().as_secs_f64();
         let least_squares = fitted.rms;
         let clock = Instant::now();
-        let (done, finish) = finish_fit(&self.points, &found.counts, fitted, &finish_options(self.points.len()))?;
+        let (done, finish) =
+            finish_fit(&self.points, &found.counts, fitted, &finish_options(self.points.len()))?;
         let report = &found.report;
         let before = report.refine_history.last().map_or(report.defects, |step| step.defects);
         println!(

@@ -1,6 +1,7 @@
 //! The number of control points: as many as a tolerance asks for, or as the noise supports.
 
-use super::fit::{CHOICE, EXACT, State, Work};
+use super::crossing::self_crossings;
+use super::fit::{CHOICE, EXACT, SMOOTHER, State, Work};
 use super::start::Layout;
 use crate::options::Smoothing;
 use crate::{Error, Status};
@@ -33,6 +34,7 @@ pub(super) fn to_tolerance<const D: usize>(
 ) -> Result<State<D>, Error> {
     let Some(tolerance) = work.options.abs_tolerance else { return Ok(state) };
     let (coarse, fit) = (coarse(work), warm(work));
+    let crossings = |state: &State<D>| self_crossings(&state.curve).len();
     let mut idle = 0;
     for _ in 0..ROUNDS {
         if state.report.max <= tolerance || work.cancelled {
@@ -55,10 +57,14 @@ pub(super) fn to_tolerance<const D: usize>(
     if !work.cancelled {
         let next = work.run(state.curve.clone(), &fit, "fit")?;
         let next = work.finished(next)?;
-        if next.report.max <= tolerance || next.report.max < state.report.max {
+        let nearer = next.report.max <= tolerance || next.report.max < state.report.max;
+        if nearer && crossings(&next) <= crossings(&state) {
             work.keep(&next);
             state = next;
         }
+    }
+    if state.report.max <= tolerance && crossings(&state) > 0 {
+        state = smoother(work, state, tolerance)?;
     }
     if state.report.max <= tolerance {
         for share in REMOVAL {
@@ -70,10 +76,40 @@ pub(super) fn to_tolerance<const D: usize>(
                 continue;
             }
             let next = work.run(curve, &fit, "remove")?;
-            if next.report.max <= tolerance && next.report.status != Status::Diverged {
+            let good = next.report.max <= tolerance && next.report.status != Status::Diverged;
+            if good && crossings(&next) <= crossings(&state) {
                 work.keep(&next);
                 state = next;
             }
+        }
+    }
+    Ok(state)
+}
+
+/// With as much energy as the tolerance leaves room for, until the curve does not cross itself any more: loops at corners do not carry
+/// anything.
+fn smoother<const D: usize>(
+    work: &mut Work<'_, D>,
+    mut state: State<D>,
+    tolerance: f64,
+) -> Result<State<D>, Error> {
+    if !matches!(work.options.fit.smoothing, Smoothing::Automatic { .. }) {
+        return Ok(state);
+    }
+    let from = state.report.lambda.max(COARSE / 100.0);
+    for more in SMOOTHER {
+        let fit = work.loop_options().with_smoothing(Smoothing::Fixed { lambda: from * more });
+        let next = work.run(state.curve.clone(), &fit, "uncross")?;
+        let fewer = self_crossings(&next.curve).len() < self_crossings(&state.curve).len();
+        if work.cancelled || next.report.max > tolerance {
+            break;
+        }
+        if fewer {
+            work.keep(&next);
+            state = next;
+        }
+        if self_crossings(&state.curve).is_empty() {
+            break;
         }
     }
     Ok(state)
@@ -158,14 +194,17 @@ pub(super) fn by_noise<const D: usize>(
     let fit = work.loop_options();
     let fit = fit.with_max_iterations(fit.max_iterations.min(LOOK));
     let count = sample.len() as f64;
-    let mut controls = (work.options.degree + 1 + usize::from(layout.closed) * 2).min(most);
+    let degree = work.options.degree;
+    // With fewer the curve takes short cuts, and what it does says nothing.
+    let faithful = layout.faithful(work.points, degree, most)?.map_or(0, |c| c.knots().distinct_count());
+    let mut controls = (degree + 1 + usize::from(layout.closed) * 2).min(most);
     let mut best: Option<(f64, usize)> = None;
     let mut worse = 0;
     loop {
-        let curve = layout.curve(work.options.degree, controls)?;
+        let curve = layout.curve(degree, controls)?;
         let state = work.run_on(&sample, curve, &fit, "choose")?;
         let rms = state.report.rms.max(EXACT * work.size);
-        let crosses = !super::crossing::self_crossings(&state.curve).is_empty();
+        let crosses = !self_crossings(&state.curve).is_empty();
         // Both by direction across the curve: along it neither points nor control points tell anything.
         let criterion = count * 2.0 * rms.ln() + controls as f64 * count.ln();
         let better = best.is_none_or(|b| criterion < b.0) && !(crosses && best.is_some());
@@ -176,7 +215,7 @@ pub(super) fn by_noise<const D: usize>(
             worse += 1;
         }
         let next = controls + (controls * GROWTH.0 / GROWTH.1).max(1);
-        if worse >= 2 || next > most || rms <= GOOD * work.size || work.cancelled {
+        if worse >= 2 && controls >= faithful || next > most || rms <= GOOD * work.size || work.cancelled {
             break;
         }
         controls = next;

@@ -5,6 +5,7 @@ use super::adapt;
 use super::crossing::self_crossings;
 use super::front;
 use super::options::CurveOptions;
+use super::places::{centre, count_distinct};
 use super::rational;
 use super::report::{Closure, CurveFit, CurveReport, CurveStart, PointFoot, StageRecord};
 use super::start::Layout;
@@ -26,7 +27,7 @@ const CREEP: f64 = 0.01;
 /// Contours of a search that are kept.
 const STAGES: usize = 8;
 /// Factors of `λ` tried when a curve crosses itself.
-const SMOOTHER: [f64; 4] = [4.0, 16.0, 64.0, 256.0];
+pub(super) const SMOOTHER: [f64; 4] = [4.0, 16.0, 64.0, 256.0];
 
 /// Fits a curve to points of which nothing else is known, or from a given start.
 ///
@@ -233,13 +234,35 @@ impl<'a, const D: usize> Work<'a, D> {
             return Ok(state);
         }
         if self.options.abs_tolerance.is_some() {
-            let first = (degree + 5).min(distinct).min(self.options.max_controls).max(degree + 1);
-            let coarse = adapt::coarse(self);
-            let state = self.with_controls(layout, first, &coarse)?;
-            self.keep(&state);
-            return adapt::to_tolerance(self, state);
+            return self.within_tolerance(layout, distinct.min(self.options.max_controls).max(degree + 1));
         }
         adapt::by_noise(self, layout, distinct)
+    }
+
+    /// The fit to the tolerance: from few control points, and where that crosses itself, once more from a curve that is near to the
+    /// path already.
+    fn within_tolerance(&mut self, layout: &Layout<D>, most: usize) -> Result<State<D>, Error> {
+        let coarse = adapt::coarse(self);
+        let state = self.with_controls(layout, (self.options.degree + 5).min(most), &coarse)?;
+        self.keep(&state);
+        let state = adapt::to_tolerance(self, state)?;
+        let crossings = self_crossings(&state.curve).len();
+        if crossings == 0 || self.cancelled {
+            return Ok(state);
+        }
+        let Some(curve) = layout.faithful(self.points, self.options.degree, most)? else { return Ok(state) };
+        let kept = (std::mem::take(&mut self.history), std::mem::take(&mut self.evolution));
+        let first: Vec<bool> = self.stages.iter_mut().map(|s| std::mem::take(&mut s.kept)).collect();
+        let other = self.fitted_from(layout, curve, &coarse)?;
+        self.keep(&other);
+        let other = adapt::to_tolerance(self, other)?;
+        if self_crossings(&other.curve).len() < crossings {
+            return Ok(other);
+        }
+        (self.history, self.evolution) = kept;
+        let first = first.into_iter().chain(std::iter::repeat(false));
+        self.stages.iter_mut().zip(first).for_each(|(stage, kept)| stage.kept = kept);
+        Ok(state)
     }
 
     /// The fit with a number of control points, from the path or, where that leads nowhere, from an ellipse.
@@ -249,7 +272,16 @@ impl<'a, const D: usize> Work<'a, D> {
         controls: usize,
         fit: &FitOptions,
     ) -> Result<State<D>, Error> {
-        let curve = layout.curve(self.options.degree, controls)?;
+        self.fitted_from(layout, layout.curve(self.options.degree, controls)?, fit)
+    }
+
+    fn fitted_from(
+        &mut self,
+        layout: &Layout<D>,
+        curve: BsplineCurve<D>,
+        fit: &FitOptions,
+    ) -> Result<State<D>, Error> {
+        let controls = curve.knots().distinct_count();
         let crossed = !self_crossings(&curve).is_empty();
         let state = self.run(curve.clone(), fit, "fit")?;
         let state = self.uncrossed(state, &curve, crossed)?;
@@ -381,27 +413,4 @@ impl<'a, const D: usize> Work<'a, D> {
         let evolution = self.evolution.iter().map(|c| c.translated(centre)).collect::<Result<_, _>>()?;
         Ok(CurveFit { curve: state.curve.translated(centre)?, report, feet, evolution })
     }
-}
-
-/// Number of different places.
-fn count_distinct<const D: usize>(points: &[SVector<f64, D>], kept: &[usize]) -> usize {
-    let mut order = kept.to_vec();
-    let compare = |&a: &usize, &b: &usize| {
-        let pairs = points[a].iter().zip(points[b].iter());
-        pairs.map(|(x, y)| x.total_cmp(y)).find(|o| o.is_ne()).unwrap_or(std::cmp::Ordering::Equal)
-    };
-    order.sort_by(compare);
-    order.dedup_by(|a, b| points[*a] == points[*b]);
-    order.len()
-}
-
-/// Centre of the box around the points that count.
-fn centre<const D: usize>(points: &[SVector<f64, D>], kept: &[usize]) -> SVector<f64, D> {
-    let mut low = SVector::<f64, D>::repeat(f64::INFINITY);
-    let mut high = -low;
-    for &i in kept {
-        low = low.inf(&points[i]);
-        high = high.sup(&points[i]);
-    }
-    low * 0.5 + high * 0.5
 }

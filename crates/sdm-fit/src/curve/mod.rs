@@ -10,9 +10,12 @@ mod fit;
 mod front;
 mod options;
 mod path;
+mod places;
 mod rational;
 mod report;
 mod start;
+mod tour;
+mod tree;
 
 pub use active::ActiveCurve;
 pub use crossing::self_crossings;

@@ -1,12 +1,15 @@
 //! A polygon along a cloud: from the order of its points, or from their places alone.
 
+use super::tour::short_tour;
+use super::tree::{longest_path, tree_length};
 use crate::parallel;
 use distance_field::quantile_in_place;
 use mesh_core::CloudIndex;
 use nalgebra::{DMatrix, Point, SVector};
+use std::cmp::Ordering;
 
-/// Points taken for a skeleton at most.
-const SKELETON: usize = 4000;
+/// Points taken for a path at most.
+const MOST: usize = 4000;
 /// Numbers of neighbours tried for it.
 const NEIGHBOURS: [usize; 11] = [6, 10, 16, 25, 40, 63, 100, 160, 250, 400, 630];
 /// Passes that draw points to the local line.
@@ -15,6 +18,14 @@ const PASSES: usize = 4;
 const STRAY: f64 = 0.02;
 /// Steps between consecutive points of an ordered cloud, as a share of the distance of points half a cloud apart.
 const STEP: [f64; 2] = [0.2, 0.35];
+/// Points by which the scatter about a path is told, at most.
+const SCATTERED: usize = 500;
+/// Fewest points of a path through all of them.
+const LEAST: usize = 8;
+/// Length of a tour through points on a curve, without its longest step, over that of the tree of shortest edges, at most.
+const DETOUR: f64 = 1.15;
+/// Gap between the ends of such a path, in units of its longest step, and of its length, up to which it is closed.
+const RING: [f64; 2] = [1.5, 0.01];
 /// Gap between the ends, in units of the largest steps, up to which a path is closed.
 const GAP: f64 = 2.5;
 /// A polygon is smooth where twice the window shortens it by less than this factor.
@@ -35,6 +46,21 @@ impl<const D: usize> Path<D> {
     /// Whether the ends are as near to each other as neighbours on the path.
     pub(crate) fn is_closed(&self) -> bool {
         self.nodes.len() > 3 && self.gap <= self.gap_limit
+    }
+
+    /// Root mean square distance of points from the nearest edge of the path.
+    pub(crate) fn scatter(&self, points: &[SVector<f64, D>]) -> f64 {
+        let stride = points.len().div_ceil(SCATTERED).max(1);
+        let squares = points.iter().step_by(stride).map(|x| {
+            let edge = |pair: &[SVector<f64, D>]| {
+                let (along, away) = (pair[1] - pair[0], x - pair[0]);
+                let share = (along.dot(&away) / along.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+                (away - along * share).norm_squared()
+            };
+            self.nodes.windows(2).map(edge).fold(f64::INFINITY, f64::min)
+        });
+        let squares: Vec<f64> = squares.collect();
+        (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
     }
 
     /// Lengths from the first node to each, and in all, the way back included if `closed`.
@@ -70,8 +96,8 @@ pub(crate) fn is_ordered<const D: usize>(points: &[SVector<f64, D>]) -> bool {
         .all(|(share, limit)| quantile_in_place(&mut steps, share) <= limit.max(few * limit / STEP[0]) * far)
 }
 
-/// The path through points in their order, averaged over as few of them as take out the zigzag of noise.
-pub(crate) fn along_order<const D: usize>(points: &[SVector<f64, D>]) -> Path<D> {
+/// Points averaged by so many in their order as take out the zigzag of noise, and how many these are.
+fn without_zigzag<const D: usize>(points: &[SVector<f64, D>]) -> (usize, Vec<SVector<f64, D>>) {
     let averaged = |window: usize| -> Vec<SVector<f64, D>> {
         points
             .chunks(window)
@@ -80,17 +106,21 @@ pub(crate) fn along_order<const D: usize>(points: &[SVector<f64, D>]) -> Path<D>
             .collect()
     };
     let length = |nodes: &[SVector<f64, D>]| nodes.windows(2).map(|p| (p[1] - p[0]).norm()).sum::<f64>();
-    let mut window = 1;
-    let mut nodes = averaged(1);
+    let (mut window, mut nodes) = (1, averaged(1));
     loop {
         let wider = averaged(2 * window);
         // The ends are half a window shorter.
         let reach = 1.0 + 1.0 / wider.len().max(1) as f64;
         if wider.len() < 8 || length(&nodes) <= ZIGZAG * reach * length(&wider) {
-            break;
+            return (window, nodes);
         }
         (window, nodes) = (2 * window, wider);
     }
+}
+
+/// The path through points in their order, averaged over as few of them as take out the zigzag of noise.
+pub(crate) fn along_order<const D: usize>(points: &[SVector<f64, D>]) -> Path<D> {
+    let (_, mut nodes) = without_zigzag(points);
     let mut steps: Vec<f64> = nodes.windows(2).map(|p| (p[1] - p[0]).norm()).collect();
     let gap_limit = GAP * quantile_in_place(&mut steps, 0.9);
     let gap = nodes.first().zip(nodes.last()).map_or(0.0, |(a, b)| (b - a).norm());
@@ -101,10 +131,41 @@ pub(crate) fn along_order<const D: usize>(points: &[SVector<f64, D>]) -> Path<D>
     Path { nodes, gap, gap_limit, ordered: true }
 }
 
+/// The path through points that lie on a curve, however unevenly: a short tour, if it is hardly longer than the tree of shortest edges
+/// and does not pass to and fro across the curve, as it does where there is noise.
+pub(crate) fn through_points<const D: usize>(points: &[SVector<f64, D>]) -> Option<Path<D>> {
+    let stride = points.len().div_ceil(MOST).max(1);
+    let mut nodes: Vec<SVector<f64, D>> = points.iter().step_by(stride).copied().collect();
+    let order = |a: &SVector<f64, D>, b: &SVector<f64, D>| {
+        a.iter().zip(b).map(|(x, y)| x.total_cmp(y)).find(|o| o.is_ne()).unwrap_or(Ordering::Equal)
+    };
+    nodes.sort_by(order);
+    nodes.dedup();
+    if nodes.len() < LEAST {
+        return None;
+    }
+    let mut tour = short_tour(&nodes)?;
+    let step = |k: usize| (nodes[tour[(k + 1) % tour.len()]] - nodes[tour[k]]).norm();
+    let mut steps: Vec<f64> = (0..tour.len()).map(step).collect();
+    let widest = (0..steps.len()).max_by(|&a, &b| steps[a].total_cmp(&steps[b]))?;
+    tour.rotate_left((widest + 1) % steps.len());
+    let gap = steps.swap_remove(widest);
+    let second = steps.iter().copied().fold(0.0, f64::max);
+    let length: f64 = steps.iter().sum();
+    if length > DETOUR * tree_length(&nodes) {
+        return None;
+    }
+    let nodes: Vec<SVector<f64, D>> = tour.into_iter().map(|i| nodes[i]).collect();
+    if without_zigzag(&nodes).0 > 1 {
+        return None;
+    }
+    Some(Path { nodes, gap, gap_limit: RING[0] * second + RING[1] * length, ordered: false })
+}
+
 /// The longest path in the tree of shortest edges between points drawn to a skeleton, for the narrowest neighbourhoods
 /// for which it passes all of them.
 pub(crate) fn through_cloud<const D: usize>(points: &[SVector<f64, D>]) -> Option<Path<D>> {
-    let stride = points.len().div_ceil(SKELETON).max(1);
+    let stride = points.len().div_ceil(MOST).max(1);
     let sample: Vec<SVector<f64, D>> = points.iter().step_by(stride).copied().collect();
     let places: Vec<Point<f64, D>> = sample.iter().copied().map(Point::from).collect();
     let index = CloudIndex::new(&places).ok()?;
@@ -206,64 +267,6 @@ fn thin<const D: usize>(points: &[SVector<f64, D>], spacing: f64) -> Vec<SVector
     out
 }
 
-/// The longest path in the minimum spanning tree (Prim's algorithm; twice the furthest node).
-fn longest_path<const D: usize>(nodes: &[SVector<f64, D>]) -> Vec<usize> {
-    let n = nodes.len();
-    let mut tree: Vec<Vec<(usize, f64)>> = vec![Vec::new(); n];
-    let mut nearest = vec![(f64::INFINITY, 0); n];
-    let mut inside = vec![false; n];
-    let mut current = 0;
-    for _ in 1..n {
-        inside[current] = true;
-        let mut next = (f64::INFINITY, usize::MAX);
-        for i in 0..n {
-            if inside[i] {
-                continue;
-            }
-            let length = (nodes[i] - nodes[current]).norm();
-            if length < nearest[i].0 {
-                nearest[i] = (length, current);
-            }
-            if nearest[i].0 < next.0 {
-                next = (nearest[i].0, i);
-            }
-        }
-        if next.1 == usize::MAX {
-            break;
-        }
-        let (length, from) = nearest[next.1];
-        tree[from].push((next.1, length));
-        tree[next.1].push((from, length));
-        current = next.1;
-    }
-    let (end, _) = furthest(&tree, 0);
-    let (other, before) = furthest(&tree, end);
-    let mut path = vec![other];
-    let mut at = other;
-    while at != end {
-        at = before[at];
-        path.push(at);
-    }
-    path
-}
-
-/// The node furthest from another along the tree, and for each node the one before on the way.
-fn furthest(tree: &[Vec<(usize, f64)>], from: usize) -> (usize, Vec<usize>) {
-    let mut before = vec![from; tree.len()];
-    let mut best = (0.0, from);
-    let mut stack = vec![(from, from, 0.0)];
-    while let Some((node, parent, length)) = stack.pop() {
-        before[node] = parent;
-        if length > best.0 {
-            best = (length, node);
-        }
-        for &(next, edge) in tree[node].iter().filter(|(next, _)| *next != parent) {
-            stack.push((next, node, length + edge));
-        }
-    }
-    (best.1, before)
-}
-
 fn distance<const D: usize>(path: &[SVector<f64, D>], x: &SVector<f64, D>) -> f64 {
     path.iter().map(|p| (p - x).norm()).fold(f64::INFINITY, f64::min)
 }
@@ -296,5 +299,39 @@ mod tests {
         assert!(path.is_closed() && path.nodes.len() > 10);
         let path = through_cloud(&shuffled(&arc(200, 4.0))).unwrap();
         assert!(!path.is_closed());
+    }
+
+    /// A thin section, its points dense at the ends and wide apart on the sides, as far as these are from each other.
+    fn thin_section(n: usize) -> Vec<Vector2<f64>> {
+        let angle = |i: usize| std::f64::consts::TAU * i as f64 / n as f64;
+        let slowed = |a: f64| a - 0.49 * (2.0 * a).sin();
+        (0..n).map(angle).map(slowed).map(|a| Vector2::new(20.0 * a.cos(), a.sin())).collect()
+    }
+
+    #[test]
+    fn narrow_rings_with_uneven_points_are_followed() {
+        let ring = thin_section(100);
+        let path = through_points(&shuffled(&ring)).unwrap();
+        assert!(path.is_closed() && path.nodes.len() == ring.len(), "{} {}", path.gap, path.gap_limit);
+        // In the order of the ring, one way or the other, from some point on.
+        let place = |p: &Vector2<f64>| ring.iter().position(|q| p == q).unwrap();
+        let order: Vec<usize> = path.nodes.iter().map(place).collect();
+        let steps = order.iter().zip(order.iter().cycle().skip(1)).map(|(a, b)| (b + 100 - a) % 100);
+        let steps: Vec<usize> = steps.collect();
+        assert!(steps.iter().all(|&s| s == steps[0]) && [1, 99].contains(&steps[0]), "{steps:?}");
+        // Without a side it is open.
+        let open: Vec<_> = ring.iter().filter(|p| p.y > -0.2).copied().collect();
+        let path = through_points(&open).unwrap();
+        assert!(!path.is_closed(), "{} {}", path.gap, path.gap_limit);
+    }
+
+    #[test]
+    fn a_thick_cloud_has_no_path_through_all_points() {
+        let spread = |i: u32, step: f64| (f64::from(i) * step).fract() - 0.5;
+        let noisy = |i: u32| {
+            let a = std::f64::consts::TAU * spread(i, 0.618_034);
+            Vector2::new(a.cos(), a.sin()) * (1.0 + 0.2 * spread(i, 0.754_878))
+        };
+        assert!(through_points(&(0..600).map(noisy).collect::<Vec<_>>()).is_none());
     }
 }

@@ -33,7 +33,7 @@ pub enum CurveStart {
     Given,
     /// Through the points in their order.
     Order,
-    /// Along the skeleton of the cloud.
+    /// Along the cloud: through its points if they lie on a curve, else along its skeleton.
     Skeleton,
     /// A contour that grew inside the points.
     Contour,

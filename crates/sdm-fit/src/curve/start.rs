@@ -2,14 +2,20 @@
 
 use super::front;
 use super::options::CurveOptions;
-use super::path::{Path, along_order, is_ordered, principal, through_cloud};
+use super::path::{Path, along_order, is_ordered, principal, through_cloud, through_points};
 use super::report::{Closure, CurveStart};
 use crate::Error;
 use nalgebra::{DMatrix, SVector};
-use nurbs_core::{BsplineCurve, CurveFitOptions, Interval, KnotVector};
+use nurbs_core::{BsplineCurve, CurveFitOptions, Interval, KnotVector, ParametricCurve};
 
 /// Width of a cloud as a share of its length below which it is a line.
 const LINE: f64 = 1e-9;
+/// Distance from a path that passes for near to it: in units of the scatter of the points about it, and as a share of the standard deviation of
+/// the points along their main axis.
+const SCATTER: f64 = 3.0;
+const FAITHFUL: f64 = 1e-2;
+/// Times that knots are inserted for that.
+const ROUNDS: usize = 12;
 /// Bending of the first curve, which bridges spans without nodes.
 const BRIDGE: f64 = 1e-7;
 
@@ -63,7 +69,11 @@ impl<const D: usize> Layout<D> {
                 centre,
             });
         }
-        let path = if is_ordered(points) { Some(along_order(points)) } else { through_cloud(points) };
+        let path = if is_ordered(points) {
+            Some(along_order(points))
+        } else {
+            through_points(points).or_else(|| through_cloud(points))
+        };
         let kind = match &path {
             Some(path) if path.ordered => CurveStart::Order,
             Some(_) => CurveStart::Skeleton,
@@ -91,6 +101,47 @@ impl<const D: usize> Layout<D> {
         } else {
             KnotVector::uniform_clamped(degree, controls)?
         })
+    }
+
+    /// A first curve with knots where the path bends, so near to it that it takes no short cut from one side of what is narrow to the
+    /// other; `None` without a path.
+    pub(crate) fn faithful(
+        &self,
+        points: &[SVector<f64, D>],
+        degree: usize,
+        most: usize,
+    ) -> Result<Option<BsplineCurve<D>>, Error> {
+        let Some(path) = self.path.as_ref().filter(|_| self.kind != CurveStart::Line) else {
+            return Ok(None);
+        };
+        let size = self.axes.first().map_or(0.0, |a| a.1);
+        let limit = (SCATTER * path.scatter(points)).max(FAITHFUL * size);
+        let (lengths, total) = path.lengths(self.closed);
+        let mut curve = self.curve(degree, (degree + 5).min(most))?;
+        for _ in 0..ROUNDS {
+            let knots = curve.knots();
+            let mut far = vec![(0, 0.0f64); knots.basis_count()];
+            for (length, node) in lengths.iter().zip(&path.nodes) {
+                let t = Interval::UNIT.lerp(length / total);
+                let span = &mut far[knots.span(t)];
+                *span = (span.0 + 1, span.1.max((curve.point(t) - node).norm()));
+            }
+            // Spans without a node in them would bend as they please.
+            let mut wanted: Vec<(f64, f64)> = knots
+                .spans()
+                .filter(|&span| far[span].0 > 3 && far[span].1 > limit)
+                .map(|span| (far[span].1, knots.span_interval(span).lerp(0.5)))
+                .collect();
+            wanted.sort_by(|a, b| b.0.total_cmp(&a.0));
+            wanted.truncate(most.saturating_sub(knots.distinct_count()));
+            if wanted.is_empty() {
+                break;
+            }
+            let mut values: Vec<f64> = wanted.into_iter().map(|w| w.1).collect();
+            values.sort_by(f64::total_cmp);
+            curve = self.curve_on(curve.refine(&values)?.knots().clone())?;
+        }
+        Ok(Some(curve))
     }
 
     /// The first curve on given knots with the domain [0, 1].
