@@ -294,3 +294,16 @@ fn threads_that_the_grid_does_not_resolve_make_no_folds() {
         fit_parameters(&points, &found.base, &found.feet, &found.counts, &FitOptions::default()).unwrap();
     assert!(SurfaceDefects::of(&fit.surface, None).is_none());
 }
+
+#[test]
+fn an_axis_across_an_open_tube_makes_no_sphere_of_it() {
+    let point = |[a, h]: [f64; 2]| {
+        let angle = std::f64::consts::TAU * a;
+        Vector3::new(10.0 * angle.cos(), 10.0 * angle.sin(), 40.0 * h)
+    };
+    let points: Vec<_> = (0..4000).map(scattered).map(point).collect();
+    let options = ParameteriseOptions::default().with_axis(Vector3::x());
+    let told = parameterise(&points, &options).unwrap_err().to_string();
+    assert!(told.contains("0.000, 0.000, 1.000"), "{told}");
+    assert!(parameterise(&points, &options.with_axis(Vector3::z())).unwrap().is_converged());
+}

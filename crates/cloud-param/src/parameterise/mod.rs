@@ -114,7 +114,7 @@ pub fn parameterise_with_progress(
     clock.enter(Stage::Axis)?;
     let axis = estimate_axis(cloud.points(), options.axis)?;
     let shape = match options.shape {
-        Shape::Auto => decide(&cloud, &axis)?,
+        Shape::Auto => as_with_its_own(&cloud, decide(&cloud, &axis)?, options.axis)?,
         shape => ShapeDecision { shape, why: "it was asked for".into() },
     };
     let base = match shape.shape {
@@ -204,6 +204,30 @@ fn distinct(points: &[Vector3<f64>]) -> (Vec<Vector3<f64>>, Vec<usize>) {
         }
     }
     (kept, number)
+}
+
+/// A decision for a sphere by a given axis, if the cloud's own axis leads to it as well: across it, a tube that is open at its ends
+/// looks closed all around.
+fn as_with_its_own(
+    cloud: &Neighbourhood,
+    found: ShapeDecision,
+    choice: AxisChoice,
+) -> Result<ShapeDecision, Error> {
+    if found.shape != Shape::Sphere || choice == AxisChoice::Automatic {
+        return Ok(found);
+    }
+    let own = estimate_axis(cloud.points(), AxisChoice::Automatic)?;
+    if decide(cloud, &own)?.shape == Shape::Sphere {
+        return Ok(found);
+    }
+    let a = &own.direction;
+    Err(Error::Shape {
+        wanted: "closed around the given axis",
+        why: format!(
+            "it would be taken for a sphere, and its open ends be closed; the axis ({:.3}, {:.3}, {:.3}) fits",
+            a.x, a.y, a.z
+        ),
+    })
 }
 
 /// Whether the layers close around the axis.
