@@ -212,6 +212,7 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
         self.since_global =
             if self.search_for(trial.displacement) == Search::Global { 0 } else { self.since_global + 1 };
         self.shape = trial.shape;
+        self.shape.step_taken();
         self.feet = trial.feet;
         if self.options.evolution {
             self.evolution.push(self.shape.coefficients().to_vec());

@@ -7,7 +7,7 @@ use std::fmt;
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
 #[non_exhaustive]
 pub enum Status {
-    /// The shape no longer changes.
+    /// The shape no longer changes, or is as near to the target as was asked for.
     Converged,
     /// No step lowers the cost, although the step that the models ask for is not small.
     Stalled,

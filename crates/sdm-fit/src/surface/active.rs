@@ -1,6 +1,7 @@
 //! Tensor product B-spline surfaces as active shapes.
 
 use super::edge::edge_model;
+use super::folds::Folds;
 use crate::Error;
 use crate::shape::{ActiveShape, CellGram, CellTable};
 use distance_field::{DistanceField, ErrorTerm, Hint, PrincipalFrame, Search, SurfaceField};
@@ -15,6 +16,11 @@ const ONE_POINT: f64 = 1e-12;
 /// Share of its first area below which a cell is kept from becoming narrower, and the least one that is told apart.
 const NARROW: f64 = 0.3;
 const COLLAPSED: f64 = 0.01;
+/// Where a cell folds, it and its neighbours count this much more in the fairing after each step, up to the most; of what they count
+/// more this share is left after a step without folds.
+const STIFFER: f64 = 10.0;
+const STIFFEST: f64 = 1e6;
+const KEPT: f64 = 0.8;
 /// Places per direction at which the area of a cell is measured.
 const PLACES: usize = 4;
 
@@ -121,7 +127,7 @@ impl ActiveSurface {
     }
 
     /// Makes the given cells (spans in u and v) and their neighbours count more in the fairing.
-    pub(super) fn stiffen(&mut self, cells: &[[usize; 2]], factor: f64) {
+    pub(super) fn stiffen(&mut self, cells: &[[usize; 2]]) {
         let counts = [self.spans[0].len(), self.spans[1].len()];
         let closed = self.knots().map(KnotVector::is_periodic);
         let mut touched = vec![false; self.stiffness.len()];
@@ -138,7 +144,7 @@ impl ActiveSurface {
             }
         }
         for (stiffness, _) in self.stiffness.iter_mut().zip(touched).filter(|(_, t)| *t) {
-            *stiffness *= factor;
+            *stiffness = (*stiffness * STIFFER).min(STIFFEST);
         }
     }
 
@@ -332,6 +338,12 @@ impl ActiveShape<3> for ActiveSurface {
             (area.normal, narrow * self.stiffness[cell])
         };
         now.iter().enumerate().map(factor).collect()
+    }
+
+    /// Cells that fold are stiffened while the folds are small.
+    fn step_taken(&mut self) {
+        self.stiffness.iter_mut().for_each(|stiffness| *stiffness = (*stiffness * KEPT).max(1.0));
+        self.stiffen(&Folds::of(&self.surface).folded);
     }
 
     fn frames(

@@ -4,8 +4,8 @@ use super::InitialSurface;
 use super::folds::Folds;
 use super::initial::{BaseShape, NetSize, initial_surface};
 use super::rational::{EXACT, conic_starts, improved};
-use super::refine::{coarser, refined};
 use super::runs::{Outcome, Runs, share_within};
+use super::tolerance::fit_to_tolerance;
 use crate::iterate::{Progress, no_progress};
 use crate::{Error, FitOptions, FitReport, Status, Target};
 use distance_field::PrincipalFrame;
@@ -14,9 +14,8 @@ use nurbs_core::BsplineSurface;
 
 /// Factor of the fairing by default: the least that leaves no folds in noisy scans.
 const FAIRING: f64 = 3e-5;
-
-/// Shares of the tolerance by which the removal of knots may move the surface, tried one after the other.
-const REMOVALS: [f64; 3] = [0.5, 0.25, 0.1];
+/// Damping by default: without it a surface of few control points slides beyond the ends of the data, where nothing holds it.
+const DAMPING: f64 = 0.01;
 
 /// How a cloud is made a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,8 +25,8 @@ pub struct SurfaceOptions {
     pub base: BaseShape,
     /// Degrees and control points to begin with.
     pub size: NetSize,
-    /// Largest distance that is wanted (a length): knots are inserted until it holds or the cap is met, and removed where they carry
-    /// nothing; default none.
+    /// Largest distance that is wanted (a length): knots are inserted until it holds or the cap is met, a few damped steps after
+    /// each insertion, and removed where they carry nothing; default none.
     pub abs_tolerance: Option<f64>,
     /// Share of the points that must lie within the tolerance; default 1.
     pub share: f64,
@@ -40,8 +39,8 @@ pub struct SurfaceOptions {
     pub rational: bool,
     /// How often the loop goes on with more fairing around cells that are folded; default 6.
     pub unfoldings: usize,
-    /// The loop; the default takes second derivatives as energy, fairs parameter lines, and stops after 30 iterations or three
-    /// that change the mean squared distance by less than 0.2 %.
+    /// The loop; the default takes second derivatives as energy, fairs parameter lines, damps steps a little, and stops after 30
+    /// iterations or three that change the mean squared distance by less than 0.2 %.
     pub fit: FitOptions,
 }
 
@@ -61,7 +60,8 @@ impl Default for SurfaceOptions {
                 .with_max_iterations(30)
                 .with_tolerance(1e-6)
                 .with_cost_tolerance(2e-3)
-                .with_fairing(FAIRING),
+                .with_fairing(FAIRING)
+                .with_damping(DAMPING),
         }
     }
 }
@@ -262,35 +262,13 @@ pub fn fit_surface_with_progress(
         return concluded(found.surface, found.frames, report, Run { runs: 1, folds }, options, &middle);
     }
     let mut runs = Runs::new(target, options, progress);
-    let mut outcome = runs.run(surface)?;
-    let initial_rms = outcome.fitted.report.initial_rms;
-    let good = |outcome: &Outcome| {
-        options.abs_tolerance.is_none_or(|tolerance| outcome.share_within(tolerance) >= options.share)
+    let outcome = match options.abs_tolerance {
+        None => runs.run(surface)?,
+        Some(tolerance) => fit_to_tolerance(&mut runs, surface, tolerance)?,
     };
-    let cancelled = |outcome: &Outcome| outcome.fitted.report.status == Status::Cancelled;
-    while !good(&outcome) && !cancelled(&outcome) {
-        let (tolerance, shape) = (options.abs_tolerance.unwrap_or(0.0), outcome.fitted.shape.surface());
-        let Some(finer) = refined(shape, &outcome.fitted.frames, tolerance, options.max_controls)? else {
-            break;
-        };
-        outcome = runs.run(finer)?;
-    }
-    // Knots were inserted in rows; some carry nothing.
-    if let Some(tolerance) = options.abs_tolerance.filter(|_| runs.count > 1 && good(&outcome)) {
-        for share in REMOVALS {
-            let Some(coarser) = coarser(outcome.fitted.shape.surface(), share * tolerance)? else { break };
-            let trial = runs.run(coarser)?;
-            if good(&trial) && trial.folds.count() <= outcome.folds.count() {
-                outcome = trial;
-            }
-            if cancelled(&outcome) {
-                break;
-            }
-        }
-    }
     let Outcome { fitted, folds } = outcome;
     (1..).zip(&mut runs.history).for_each(|(number, step)| step.iteration = number);
-    let mut report = FitReport { history: runs.history, initial_rms, ..fitted.report };
+    let mut report = FitReport { history: runs.history, initial_rms: runs.initial_rms, ..fitted.report };
     let (mut surface, mut frames) = (fitted.shape.into_surface(), fitted.frames);
     if options.rational && report.status != Status::Cancelled {
         let (found, status, steps) = improved(&local, surface.clone(), progress)?;
@@ -318,13 +296,16 @@ fn concluded(
     middle: &Vector3<f64>,
 ) -> Result<SurfaceFit, Error> {
     let share_within = options.abs_tolerance.map(|tolerance| share_within(&frames, tolerance));
+    let within_tolerance = share_within.is_none_or(|share| share >= options.share);
+    let as_wanted = fit.status == Status::MaxIterations && share_within.is_some() && within_tolerance;
+    let status = if as_wanted { Status::Converged } else { fit.status };
     let report = SurfaceReport {
-        fit,
+        fit: FitReport { status, ..fit },
         base: None,
         controls: [surface.knots_u().distinct_count(), surface.knots_v().distinct_count()],
         runs: run.runs,
         share_within,
-        within_tolerance: share_within.is_none_or(|share| share >= options.share),
+        within_tolerance,
         folds: run.folds,
         dropped: 0,
     };

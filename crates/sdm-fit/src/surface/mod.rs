@@ -9,6 +9,7 @@ mod initial;
 mod rational;
 mod refine;
 mod runs;
+mod tolerance;
 
 pub use active::ActiveSurface;
 pub use fit::{

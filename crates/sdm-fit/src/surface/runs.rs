@@ -12,17 +12,27 @@ use nurbs_core::BsplineSurface;
 /// Coefficients up to which the data are asked for the smoothing, and the factor of the energy above.
 const ASKED: usize = 2500;
 const TRIFLE: f64 = 1e-6;
-/// Steps with more fairing around folds, and how much more.
+/// Steps with more fairing around folds.
 const UNFOLDING_STEPS: usize = 6;
-const STIFFER: f64 = 10.0;
+/// On the way to a tolerance: most steps between two insertions of knots, and at the end; change of the cost that ends these. Knots are
+/// what is missing on the way, not steps.
+const STAGE_STEPS: usize = 6;
+const LAST_STEPS: usize = 10;
+const LAST_CHANGE: f64 = 0.01;
+/// Least damping of steps on that way: surfaces with many knots slide along themselves where there are few points, and fold.
+const DAMPING: f64 = 0.3;
+/// Largest energy that a surface begins with which is already near: more would take it away from the points again.
+const AGAIN: f64 = 1e-5;
 
 /// What all runs on the same points share, and what they leave behind.
 pub(super) struct Runs<'a> {
     target: Target<'a, 3>,
-    options: &'a SurfaceOptions,
+    pub(super) options: &'a SurfaceOptions,
     progress: Progress<'a>,
     pub(super) history: Vec<StepRecord>,
     pub(super) count: usize,
+    /// Root mean square distance of the start of the first.
+    pub(super) initial_rms: f64,
 }
 
 /// What a run came to.
@@ -32,19 +42,52 @@ pub(super) struct Outcome {
 }
 
 impl Outcome {
-    /// Share of the points within a distance; those without a foot are not within.
-    pub(super) fn share_within(&self, tolerance: f64) -> f64 {
-        share_within(&self.fitted.frames, tolerance)
+    /// Whether enough points are within the tolerance, if there is one.
+    pub(super) fn is_good(&self, options: &SurfaceOptions) -> bool {
+        let share = |tolerance| share_within(&self.fitted.frames, tolerance);
+        options.abs_tolerance.is_none_or(|tolerance| share(tolerance) >= options.share)
+    }
+
+    pub(super) fn is_cancelled(&self) -> bool {
+        self.fitted.report.status == Status::Cancelled
     }
 }
 
 impl<'a> Runs<'a> {
     pub(super) fn new(target: Target<'a, 3>, options: &'a SurfaceOptions, progress: Progress<'a>) -> Self {
-        Self { target, options, progress, history: Vec::new(), count: 0 }
+        Self { target, options, progress, history: Vec::new(), count: 0, initial_rms: 0.0 }
     }
 
     /// Fits from a surface, and unfolds it.
     pub(super) fn run(&mut self, surface: BsplineSurface) -> Result<Outcome, Error> {
+        self.run_with(surface, &self.options.fit, self.options.unfoldings)
+    }
+
+    /// A few steps from a surface, the first or one that is already `near`, before knots are inserted or removed.
+    pub(super) fn stage(&mut self, surface: BsplineSurface, near: bool) -> Result<Outcome, Error> {
+        let steps = self.options.fit.max_iterations.min(STAGE_STEPS);
+        let fit = on_the_way(&self.options.fit, near).with_max_iterations(steps);
+        self.run_with(surface, &fit, 0)
+    }
+
+    /// The last steps on the way to a tolerance.
+    pub(super) fn last(&mut self, surface: BsplineSurface) -> Result<Outcome, Error> {
+        let fit = self.options.fit;
+        let steps = fit.max_iterations.min(LAST_STEPS);
+        let fit = fit
+            .with_max_iterations(steps)
+            .with_cost_tolerance(fit.cost_tolerance.max(LAST_CHANGE))
+            .with_damping(fit.damping.max(DAMPING))
+            .with_smoothing(begun_again(fit.smoothing));
+        self.run_with(surface, &fit, self.options.unfoldings)
+    }
+
+    fn run_with(
+        &mut self,
+        surface: BsplineSurface,
+        options: &FitOptions,
+        unfoldings: usize,
+    ) -> Result<Outcome, Error> {
         let shape = ActiveSurface::new(surface)?;
         let mut constraints = Constraints::none();
         if self.options.fixed_boundary {
@@ -52,11 +95,14 @@ impl<'a> Runs<'a> {
                 constraints = constraints.with_held(k, shape.coefficients()[k]);
             }
         }
-        let fit = for_size(&self.options.fit, shape.coefficients().len());
+        let fit = for_size(options, shape.coefficients().len());
         let mut fitted = fit_with_progress(shape, self.target, &constraints, &fit, self.progress)?;
+        if self.count == 0 {
+            self.initial_rms = fitted.report.initial_rms;
+        }
         self.count += 1;
         self.history.append(&mut fitted.report.history);
-        let folds = self.unfold(&mut fitted, &constraints, &fit)?;
+        let folds = self.unfold(&mut fitted, &constraints, &fit, unfoldings)?;
         Ok(Outcome { fitted, folds })
     }
 
@@ -66,13 +112,14 @@ impl<'a> Runs<'a> {
         fitted: &mut Fitted<ActiveSurface, 3>,
         constraints: &Constraints<3>,
         options: &FitOptions,
+        unfoldings: usize,
     ) -> Result<Folds, Error> {
         let mut folds = Folds::of(fitted.shape.surface());
-        for _ in 0..self.options.unfoldings {
+        for _ in 0..unfoldings {
             if folds.count() == 0 || options.fairing <= 0.0 || fitted.report.status == Status::Cancelled {
                 break;
             }
-            fitted.shape.stiffen(&folds.folded, STIFFER);
+            fitted.shape.stiffen(&folds.folded);
             let lambda = fitted.report.lambda;
             let more =
                 options.with_smoothing(Smoothing::Fixed { lambda }).with_max_iterations(UNFOLDING_STEPS);
@@ -91,6 +138,27 @@ impl<'a> Runs<'a> {
             }
         }
         Ok(folds)
+    }
+}
+
+/// The options on the way to a tolerance: damped, and an energy that the data are not asked for, since what is left of the distances is
+/// no noise while knots are missing.
+fn on_the_way(options: &FitOptions, near: bool) -> FitOptions {
+    let smoothing = match if near { begun_again(options.smoothing) } else { options.smoothing } {
+        Smoothing::Automatic { start, .. } => Smoothing::Continuation { start, factor: 0.25, floor: TRIFLE },
+        smoothing => smoothing,
+    };
+    options.with_damping(options.damping.max(DAMPING)).with_smoothing(smoothing)
+}
+
+/// The schedule of the energy for a surface that is already near.
+fn begun_again(smoothing: Smoothing) -> Smoothing {
+    match smoothing {
+        Smoothing::Fixed { .. } => smoothing,
+        Smoothing::Continuation { start, factor, floor } => {
+            Smoothing::Continuation { start: start.min(AGAIN.max(floor)), factor, floor }
+        }
+        Smoothing::Automatic { start, factor } => Smoothing::Automatic { start: start.min(AGAIN), factor },
     }
 }
 
