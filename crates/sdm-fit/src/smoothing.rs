@@ -31,6 +31,8 @@ const PROBES: usize = 24;
 const LEAST_PROBES: usize = 4;
 /// Factor between two values of `λ` that count as the same.
 const SAME: f64 = 1.3;
+/// While the next value is at least this many times what the data asked for, they are not asked again: it is on its way down.
+const FAR: f64 = 4.0;
 /// Iterations after which the automatic value is kept.
 const SETTLED: usize = 48;
 /// Below this a continuation to 0 has arrived.
@@ -70,10 +72,9 @@ impl Schedule {
 
     /// Whether the data are asked in this iteration.
     pub(crate) fn asks(&self) -> bool {
-        matches!(self.smoothing, Smoothing::Automatic { .. })
-            && self.iteration >= 2
-            && self.iteration < SETTLED
-            && self.agreed < 3
+        let Smoothing::Automatic { factor, .. } = self.smoothing else { return false };
+        let near = self.wanted.is_none_or(|wanted| self.lambda * factor < FAR * wanted);
+        near && self.iteration >= 2 && self.iteration < SETTLED && self.agreed < 3
     }
 
     /// The value for the next iteration; `answer` is what the data say to it.
@@ -99,7 +100,11 @@ impl Schedule {
                     self.agreed = 0;
                 }
                 Answer::NotAsked if self.iteration <= 2 => self.lambda *= factor,
-                Answer::NotAsked => {}
+                Answer::NotAsked => {
+                    if let Some(wanted) = self.wanted.filter(|wanted| *wanted < self.lambda) {
+                        self.lambda = wanted.max(self.lambda * factor);
+                    }
+                }
             },
         }
     }
