@@ -18,8 +18,9 @@ const BEYOND: f64 = 0.5;
 /// How much a degree of freedom counts: above 1, since the score by itself is easily misled to too little smoothing.
 const CAUTION: f64 = 1.4;
 /// Where distances are this share of the radius of curvature, a shape can follow the noise in more ways than the
-/// linearised problem knows: then more smoothing counts as good.
+/// linearised problem knows: then more smoothing counts as good, up to this share of what noise leaves in the shape.
 const BENT: f64 = 0.1;
+const MOST: f64 = 0.5;
 /// Relative accuracy of scores that are estimated.
 const ESTIMATED: f64 = 0.002;
 /// A score that is worse by more than this share of the best is never as good.
@@ -137,7 +138,7 @@ pub(crate) fn wanted<const D: usize>(
 ) -> Option<f64> {
     let count = noise.count;
     let slack = Slack {
-        share: (noise.bend / BENT).powi(4).min(1.0),
+        share: (noise.bend / BENT).powi(4).min(MOST),
         least: if noise.surface { ESTIMATED } else { 0.0 },
     };
     let bend = layout.multiply(energy, coefficients);
@@ -190,11 +191,15 @@ struct Slack {
     least: f64,
 }
 
-/// The largest factor that is as good as the best.
+/// The largest factor that is as good as the best; between two that were tried the score is taken as linear in the logarithm.
 fn best(scores: &[Score], slack: Slack) -> Option<f64> {
     let least = scores.iter().min_by(|a, b| a.value.total_cmp(&b.value))?;
     let bound = least.value * (1.0 + (slack.share * least.variance).min(AS_GOOD).max(slack.least));
-    scores.iter().filter(|s| s.value <= bound).map(|s| s.lambda).max_by(f64::total_cmp)
+    let good = scores.iter().filter(|s| s.value <= bound).max_by(|a, b| a.lambda.total_cmp(&b.lambda))?;
+    let beyond = scores.iter().filter(|s| s.lambda > good.lambda).min_by(|a, b| a.lambda.total_cmp(&b.lambda));
+    let Some(beyond) = beyond else { return Some(good.lambda) };
+    let share = (bound - good.value) / (beyond.value - good.value);
+    Some(good.lambda * (beyond.lambda / good.lambda).powf(share))
 }
 
 /// The linearised problem at the present state of the shape.
