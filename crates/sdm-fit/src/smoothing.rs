@@ -196,7 +196,8 @@ fn best(scores: &[Score], slack: Slack) -> Option<f64> {
     let least = scores.iter().min_by(|a, b| a.value.total_cmp(&b.value))?;
     let bound = least.value * (1.0 + (slack.share * least.variance).min(AS_GOOD).max(slack.least));
     let good = scores.iter().filter(|s| s.value <= bound).max_by(|a, b| a.lambda.total_cmp(&b.lambda))?;
-    let beyond = scores.iter().filter(|s| s.lambda > good.lambda).min_by(|a, b| a.lambda.total_cmp(&b.lambda));
+    let beyond =
+        scores.iter().filter(|s| s.lambda > good.lambda).min_by(|a, b| a.lambda.total_cmp(&b.lambda));
     let Some(beyond) = beyond else { return Some(good.lambda) };
     let share = (bound - good.value) / (beyond.value - good.value);
     Some(good.lambda * (beyond.lambda / good.lambda).powf(share))

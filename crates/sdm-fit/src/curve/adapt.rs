@@ -15,13 +15,15 @@ const ROUNDS: usize = 24;
 const GROWTH: (usize, usize) = (7, 20);
 /// Iterations that show what a number of control points can do.
 const LOOK: usize = 40;
+/// Share of the control points that counts as free where the data choose the energy, which takes up the rest.
+const SMOOTHED: f64 = 0.5;
 /// Improvement of the root mean square below which more knots do not help, and how often in a row that may be.
 const HELP: f64 = 0.02;
 const PATIENCE: usize = 3;
 /// Share of the size below which distances are good enough where nothing else is asked for.
 const GOOD: f64 = 1e-6;
 /// Least `λ` while knots are missing.
-const COARSE: f64 = 1e-6;
+pub(super) const COARSE: f64 = 1e-6;
 /// First `λ` of runs that start from a good curve.
 const WARM: f64 = 1e-4;
 /// Shares of the tolerance by which a curve may move when knots are removed, one after the other.
@@ -191,25 +193,39 @@ pub(super) fn by_noise<const D: usize>(
     let stride = work.points.len().div_ceil(CHOICE).max(1);
     let sample: Vec<SVector<f64, D>> = work.points.iter().step_by(stride).copied().collect();
     let most = work.options.max_controls.min(distinct.min(sample.len()) / 2).max(work.options.degree + 1);
-    let fit = work.loop_options();
-    let fit = fit.with_max_iterations(fit.max_iterations.min(LOOK));
+    let steps = work.options.fit.max_iterations.min(LOOK);
+    let mut fit = work.loop_options().with_max_iterations(steps);
     let count = sample.len() as f64;
     let degree = work.options.degree;
     // With fewer the curve takes short cuts, and what it does says nothing.
-    let faithful = layout.faithful(work.points, degree, most)?.map_or(0, |c| c.knots().distinct_count());
+    let faithful = layout
+        .faithful(degree, most, layout.nearness(work.points))?
+        .map_or(0, |c| c.knots().distinct_count());
     let mut controls = (degree + 1 + usize::from(layout.closed) * 2).min(most);
-    let mut best: Option<(f64, usize)> = None;
+    let mut best: Option<Choice> = None;
     let mut worse = 0;
+    // From the first curve on that crosses itself, where the path says better than noise where to go.
+    let through = layout.scatter(work.points) == 0.0;
+    let mut bent = false;
     loop {
-        let curve = layout.curve(degree, controls)?;
-        let state = work.run_on(&sample, curve, &fit, "choose")?;
+        let mut state = work.run_on(&sample, first(layout, degree, controls, bent)?, &fit, "choose")?;
+        if !bent
+            && through
+            && !self_crossings(&state.curve).is_empty()
+            && let Some(curve) = layout.bent(degree, controls)?
+        {
+            (bent, work.follows) = (true, true);
+            fit = work.loop_options().with_max_iterations(steps);
+            state = work.run_on(&sample, curve, &fit, "choose")?;
+        }
         let rms = state.report.rms.max(EXACT * work.size);
         let crosses = !self_crossings(&state.curve).is_empty();
         // Both by direction across the curve: along it neither points nor control points tell anything.
-        let criterion = count * 2.0 * rms.ln() + controls as f64 * count.ln();
-        let better = best.is_none_or(|b| criterion < b.0) && !(crosses && best.is_some());
+        let free = if bent { controls as f64 } else { SMOOTHED * controls as f64 };
+        let criterion = count * 2.0 * rms.ln() + free * count.ln();
+        let better = best.is_none_or(|b| criterion < b.criterion) && !(crosses && best.is_some());
         if better {
-            best = Some((criterion, controls));
+            best = Some(Choice { criterion, controls, bent });
             worse = 0;
         } else {
             worse += 1;
@@ -220,9 +236,30 @@ pub(super) fn by_noise<const D: usize>(
         }
         controls = next;
     }
-    let controls = best.map_or(controls, |b| b.1);
+    let (controls, bent) = best.map_or((controls, bent), |b| (b.controls, b.bent));
+    work.follows = bent;
     let fit = work.loop_options();
-    let state = work.with_controls(layout, controls, &fit)?;
+    let state = work.fitted_from(layout, first(layout, degree, controls, bent)?, &fit)?;
     work.keep(&state);
     Ok(state)
+}
+
+/// A number of control points that was tried.
+#[derive(Clone, Copy)]
+struct Choice {
+    criterion: f64,
+    controls: usize,
+    /// Whether knots were where the path bends, and points followed.
+    bent: bool,
+}
+
+/// The first curve, with equal spans or with knots where the path bends.
+fn first<const D: usize>(
+    layout: &Layout<D>,
+    degree: usize,
+    controls: usize,
+    bent: bool,
+) -> Result<BsplineCurve<D>, Error> {
+    let bent = if bent { layout.bent(degree, controls)? } else { None };
+    bent.map_or_else(|| layout.curve(degree, controls), Ok)
 }

@@ -10,22 +10,24 @@ use super::rational;
 use super::report::{Closure, CurveFit, CurveReport, CurveStart, PointFoot, StageRecord};
 use super::start::Layout;
 use crate::iterate::{Progress, fit_with_progress, no_progress};
-use crate::options::{FitOptions, FootpointPolicy, Smoothing, StepControl};
+use crate::options::{FitOptions, FootpointPolicy, Smoothing};
 use crate::{Constraints, Error, FitReport, Status, StepRecord, Target};
-use distance_field::ErrorTerm;
 use footpoint::{CurveProjector, ProjectionOptions};
 use nalgebra::SVector;
 use nurbs_core::BsplineCurve;
 
 /// Points on which the number of control points is chosen at most.
 pub(super) const CHOICE: usize = 20_000;
-/// Share of the size below which distances are rounding, and below which a fit is polished.
+/// Share of the size below which distances are rounding.
 pub(super) const EXACT: f64 = 1e-9;
-const NEARLY_EXACT: f64 = 1e-5;
-/// Share by which finishing may raise the distance (for less energy).
-const CREEP: f64 = 0.01;
 /// Contours of a search that are kept.
 const STAGES: usize = 8;
+/// Distance from the path, in units of the tolerance, of the curve from which points are followed, and least damping of steps then: without
+/// it the curve slides along itself and makes loops where there are no points.
+const FOLLOWED_FROM: f64 = 3.0;
+const FOLLOWED: f64 = 0.1;
+/// Change of the cost that ends such runs: damped steps creep.
+const STILL: f64 = 1e-3;
 /// Factors of `λ` tried when a curve crosses itself.
 pub(super) const SMOOTHER: [f64; 4] = [4.0, 16.0, 64.0, 256.0];
 
@@ -120,13 +122,16 @@ pub(super) struct Work<'a, const D: usize> {
     history: Vec<StepRecord>,
     evolution: Vec<BsplineCurve<D>>,
     pub(super) cancelled: bool,
+    /// Whether each point keeps to the part of the curve that its foot is on, instead of looking for the nearest one: a curve that begins
+    /// near to the path then stays on it.
+    pub(super) follows: bool,
 }
 
 impl<'a, const D: usize> Work<'a, D> {
     fn new(points: &'a [SVector<f64, D>], options: &'a CurveOptions, progress: Progress<'a>) -> Self {
         let size = points.iter().map(|p| p.amax()).fold(0.0, f64::max);
         let (stages, history, evolution) = (Vec::new(), Vec::new(), Vec::new());
-        Self { points, options, size, progress, stages, history, evolution, cancelled: false }
+        Self { points, options, size, progress, stages, history, evolution, cancelled: false, follows: false }
     }
 
     /// One run of the loop on some of the points.
@@ -182,9 +187,21 @@ impl<'a, const D: usize> Work<'a, D> {
         self.evolution.extend_from_slice(&state.evolution);
     }
 
-    /// Options of the loop for a curve: footpoints are cheap, so all are found each time.
+    /// Options of the loop for a curve: footpoints are cheap, so all are found each time, unless they are followed.
     pub(super) fn loop_options(&self) -> FitOptions {
         let fit = self.options.fit;
+        if self.follows {
+            // Knots are where the curve bends, and the number of control points is what noise limits: energy only bridges gaps.
+            let smoothing = match fit.smoothing {
+                Smoothing::Automatic { .. } => Smoothing::Fixed { lambda: adapt::COARSE },
+                smoothing => smoothing,
+            };
+            return fit
+                .with_smoothing(smoothing)
+                .with_footpoints(FootpointPolicy::Local)
+                .with_damping(fit.damping.max(FOLLOWED))
+                .with_cost_tolerance(fit.cost_tolerance.max(STILL));
+        }
         if fit.footpoints == FootpointPolicy::Adaptive && self.points.len() <= CHOICE {
             fit.with_footpoints(FootpointPolicy::Global)
         } else {
@@ -240,7 +257,7 @@ impl<'a, const D: usize> Work<'a, D> {
     }
 
     /// The fit to the tolerance: from few control points, and where that crosses itself, once more from a curve that is near to the
-    /// path already.
+    /// path already, and stays there.
     fn within_tolerance(&mut self, layout: &Layout<D>, most: usize) -> Result<State<D>, Error> {
         let coarse = adapt::coarse(self);
         let state = self.with_controls(layout, (self.options.degree + 5).min(most), &coarse)?;
@@ -250,15 +267,19 @@ impl<'a, const D: usize> Work<'a, D> {
         if crossings == 0 || self.cancelled {
             return Ok(state);
         }
-        let Some(curve) = layout.faithful(self.points, self.options.degree, most)? else { return Ok(state) };
+        let limit = FOLLOWED_FROM * self.options.abs_tolerance.unwrap_or(0.0);
+        let limit = limit.max(layout.scatter(self.points));
+        let Some(curve) = layout.faithful(self.options.degree, most, limit)? else { return Ok(state) };
         let kept = (std::mem::take(&mut self.history), std::mem::take(&mut self.evolution));
         let first: Vec<bool> = self.stages.iter_mut().map(|s| std::mem::take(&mut s.kept)).collect();
-        let other = self.fitted_from(layout, curve, &coarse)?;
+        self.follows = true;
+        let other = self.run(curve, &adapt::coarse(self), "path")?;
         self.keep(&other);
         let other = adapt::to_tolerance(self, other)?;
         if self_crossings(&other.curve).len() < crossings {
             return Ok(other);
         }
+        self.follows = false;
         (self.history, self.evolution) = kept;
         let first = first.into_iter().chain(std::iter::repeat(false));
         self.stages.iter_mut().zip(first).for_each(|(stage, kept)| stage.kept = kept);
@@ -275,7 +296,7 @@ impl<'a, const D: usize> Work<'a, D> {
         self.fitted_from(layout, layout.curve(self.options.degree, controls)?, fit)
     }
 
-    fn fitted_from(
+    pub(super) fn fitted_from(
         &mut self,
         layout: &Layout<D>,
         curve: BsplineCurve<D>,
@@ -295,74 +316,6 @@ impl<'a, const D: usize> Work<'a, D> {
         let other = self.uncrossed(other, &curve, false)?;
         let better = self_crossings(&other.curve).is_empty() && other.report.status != Status::Diverged;
         self.finished(if better { other } else { state })
-    }
-
-    /// Gauss-Newton steps where squared distance minimisation has come near the minimum but creeps along the curve
-    /// (\[P05, sec. 4.3\]).
-    pub(super) fn finished(&mut self, state: State<D>) -> Result<State<D>, Error> {
-        let creeps = state.report.status == Status::MaxIterations
-            && matches!(self.options.fit.smoothing, Smoothing::Automatic { .. })
-            && state.report.history.len() >= self.options.fit.max_iterations
-            && self.options.fit.term == ErrorTerm::SquaredDistance;
-        if !creeps || self.cancelled {
-            return Ok(state);
-        }
-        let fit = self
-            .loop_options()
-            .with_smoothing(Smoothing::Fixed { lambda: state.report.lambda })
-            .with_term(ErrorTerm::Tangent);
-        let next = self.run(state.curve.clone(), &fit, "finish")?;
-        let better =
-            next.report.rms <= state.report.rms * (1.0 + CREEP) && next.report.status != Status::Diverged;
-        let crosses = !self_crossings(&next.curve).is_empty() && self_crossings(&state.curve).is_empty();
-        Ok(if better && !crosses { next } else { state })
-    }
-
-    /// More smoothing if the curve crosses itself and the start did not; only where the smoothing is chosen by the program.
-    fn uncrossed(
-        &mut self,
-        state: State<D>,
-        start: &BsplineCurve<D>,
-        crossed: bool,
-    ) -> Result<State<D>, Error> {
-        let Smoothing::Automatic { start: first, factor } = self.options.fit.smoothing else {
-            return Ok(state);
-        };
-        if crossed || self.cancelled || self_crossings(&state.curve).is_empty() {
-            return Ok(state);
-        }
-        let from = state.report.lambda.max(1e-5);
-        for more in SMOOTHER {
-            let floor = from * more;
-            let smoothing = Smoothing::Continuation { start: first.max(floor), factor, floor };
-            let fit = self.loop_options().with_smoothing(smoothing);
-            let next = self.run(start.clone(), &fit, "uncross")?;
-            if self.cancelled || self_crossings(&next.curve).is_empty() {
-                return Ok(next);
-            }
-        }
-        Ok(state)
-    }
-
-    /// A few Gauss-Newton steps without energy, where the points lie on the curve but for rounding.
-    fn polished(&mut self, state: State<D>) -> Result<State<D>, Error> {
-        let nearly = state.report.rms <= NEARLY_EXACT * self.size && state.report.rms > 0.0;
-        let automatic = matches!(self.options.fit.smoothing, Smoothing::Automatic { .. });
-        if !nearly || !automatic || self.cancelled {
-            return Ok(state);
-        }
-        let fit = self
-            .loop_options()
-            .with_smoothing(Smoothing::NONE)
-            .with_term(ErrorTerm::Tangent)
-            .with_control(StepControl::LevenbergMarquardt)
-            .with_max_iterations(30);
-        let next = self.run(state.curve.clone(), &fit, "polish")?;
-        if next.report.rms < state.report.rms && next.report.max <= state.report.max {
-            self.keep(&next);
-            return Ok(next);
-        }
-        Ok(state)
     }
 
     fn conclude(
@@ -389,8 +342,10 @@ impl<'a, const D: usize> Work<'a, D> {
         }
         let tolerance = self.options.abs_tolerance;
         let within = |limit: f64| found.iter().filter(|foot| foot.distance <= limit).count() as f64;
+        let reached = tolerance.map(|limit| max <= limit);
+        let as_wanted = state.report.status == Status::MaxIterations && reached == Some(true);
         let report = CurveReport {
-            status: state.report.status,
+            status: if as_wanted { Status::Converged } else { state.report.status },
             closed,
             closure,
             start,
@@ -403,7 +358,7 @@ impl<'a, const D: usize> Work<'a, D> {
             max_index,
             tolerance,
             share_within: tolerance.map(|limit| within(limit) / kept.len() as f64),
-            reached: tolerance.map(|limit| max <= limit),
+            reached,
             lambda: state.report.lambda,
             iterations: self.stages.iter().map(|stage| stage.iterations).sum(),
             crossings: self_crossings(&state.curve),

@@ -8,6 +8,7 @@ mod adapt;
 mod crossing;
 mod fit;
 mod front;
+mod improve;
 mod options;
 mod path;
 mod places;

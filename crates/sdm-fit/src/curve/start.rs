@@ -14,10 +14,12 @@ const LINE: f64 = 1e-9;
 /// the points along their main axis.
 const SCATTER: f64 = 3.0;
 const FAITHFUL: f64 = 1e-2;
-/// Times that knots are inserted for that.
-const ROUNDS: usize = 12;
-/// Bending of the first curve, which bridges spans without nodes.
+/// Times that knots are inserted for that, and share of the largest distance up to which it is done where their number is given.
+const ROUNDS: usize = 24;
+const WORST: f64 = 0.3;
+/// Bending of the first curve, which bridges spans without nodes; where all spans have nodes, and short ones are to bend.
 const BRIDGE: f64 = 1e-7;
+const FINE_BRIDGE: f64 = 1e-13;
 
 /// How a cloud lies.
 #[derive(Clone, Debug)]
@@ -103,19 +105,45 @@ impl<const D: usize> Layout<D> {
         })
     }
 
-    /// A first curve with knots where the path bends, so near to it that it takes no short cut from one side of what is narrow to the
-    /// other; `None` without a path.
+    /// A distance from the path that passes for near to it: what the points scatter about it, or a small share of the size.
+    pub(crate) fn nearness(&self, points: &[SVector<f64, D>]) -> f64 {
+        let size = self.axes.first().map_or(0.0, |a| a.1);
+        self.scatter(points).max(FAITHFUL * size)
+    }
+
+    /// How far from the path points lie.
+    pub(crate) fn scatter(&self, points: &[SVector<f64, D>]) -> f64 {
+        self.path.as_ref().map_or(0.0, |path| SCATTER * path.scatter(points))
+    }
+
+    /// A first curve with knots where the path bends, so near to it (up to a limit) that it takes no short cut from one side of what is
+    /// narrow to the other; `None` without a path.
     pub(crate) fn faithful(
         &self,
-        points: &[SVector<f64, D>],
         degree: usize,
         most: usize,
+        limit: f64,
+    ) -> Result<Option<BsplineCurve<D>>, Error> {
+        self.adapted(degree, most, limit, 0.0)
+    }
+
+    /// A first curve of a number of control points, with more knots where the path bends; `None` without a path.
+    pub(crate) fn bent(&self, degree: usize, controls: usize) -> Result<Option<BsplineCurve<D>>, Error> {
+        self.adapted(degree, controls, 0.0, WORST)
+    }
+
+    /// Knots are inserted in the middle of spans from which the path is further away than a limit, and than a share of the largest
+    /// distance.
+    fn adapted(
+        &self,
+        degree: usize,
+        most: usize,
+        limit: f64,
+        share: f64,
     ) -> Result<Option<BsplineCurve<D>>, Error> {
         let Some(path) = self.path.as_ref().filter(|_| self.kind != CurveStart::Line) else {
             return Ok(None);
         };
-        let size = self.axes.first().map_or(0.0, |a| a.1);
-        let limit = (SCATTER * path.scatter(points)).max(FAITHFUL * size);
         let (lengths, total) = path.lengths(self.closed);
         let mut curve = self.curve(degree, (degree + 5).min(most))?;
         for _ in 0..ROUNDS {
@@ -127,9 +155,11 @@ impl<const D: usize> Layout<D> {
                 *span = (span.0 + 1, span.1.max((curve.point(t) - node).norm()));
             }
             // Spans without a node in them would bend as they please.
-            let mut wanted: Vec<(f64, f64)> = knots
-                .spans()
-                .filter(|&span| far[span].0 > 3 && far[span].1 > limit)
+            let split: Vec<usize> = knots.spans().filter(|&span| far[span].0 > 3).collect();
+            let largest = split.iter().map(|&span| far[span].1).fold(0.0, f64::max);
+            let mut wanted: Vec<(f64, f64)> = split
+                .into_iter()
+                .filter(|&span| far[span].1 > limit.max(share * largest))
                 .map(|span| (far[span].1, knots.span_interval(span).lerp(0.5)))
                 .collect();
             wanted.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -139,20 +169,24 @@ impl<const D: usize> Layout<D> {
             }
             let mut values: Vec<f64> = wanted.into_iter().map(|w| w.1).collect();
             values.sort_by(f64::total_cmp);
-            curve = self.curve_on(curve.refine(&values)?.knots().clone())?;
+            curve = self.bridged(curve.refine(&values)?.knots().clone(), FINE_BRIDGE)?;
         }
         Ok(Some(curve))
     }
 
     /// The first curve on given knots with the domain [0, 1].
     pub(crate) fn curve_on(&self, knots: KnotVector) -> Result<BsplineCurve<D>, Error> {
+        self.bridged(knots, BRIDGE)
+    }
+
+    fn bridged(&self, knots: KnotVector, bridge: f64) -> Result<BsplineCurve<D>, Error> {
         let degree = knots.degree();
         let Some(path) = self.path.as_ref().filter(|p| p.nodes.len() >= 2) else {
             return self.about_axes(knots);
         };
         let (lengths, total) = path.lengths(self.closed);
         let parameters: Vec<f64> = lengths.iter().map(|l| Interval::UNIT.lerp(l / total)).collect();
-        let options = CurveFitOptions::default().with_regularization(if degree > 1 { BRIDGE } else { 0.0 });
+        let options = CurveFitOptions::default().with_regularization(if degree > 1 { bridge } else { 0.0 });
         match BsplineCurve::approximate(knots.clone(), &parameters, &path.nodes, &options) {
             Ok(fitted) => Ok(fitted.shape),
             // Too few nodes for a polygon of this many corners: take their places along the path.
