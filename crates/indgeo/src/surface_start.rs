@@ -180,8 +180,6 @@ fn over_base_surface(
     let (surface, mut report) = if options.abs_tolerance.is_some() {
         let used = points.iter().zip(&found.counts).filter(|(_, counts)| **counts);
         let data: Vec<Vector3<f64>> = used.map(|(p, _)| *p).collect();
-        // Without it the surface slides along itself where it is finely structured, and folds.
-        let near = near.with_fit(near.fit.with_damping(like_finish.fit.damping));
         let fitted = fit_surface_with_progress(&data, least_squares.surface, &near, progress)?;
         (fitted.surface, fitted.report)
     } else {

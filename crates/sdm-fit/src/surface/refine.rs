@@ -49,14 +49,14 @@ pub fn with_controls(surface: BsplineSurface, controls: [usize; 2]) -> Result<Bs
     Ok(result)
 }
 
-/// The surface with a knot more in the middle of the spans along which points are further away than the tolerance ([YWS04]);
-/// `None` if no span can be halved under the cap of control points.
+/// The surface with a knot more in the middle of the spans along which points are further away than the tolerance ([YWS04]), or along
+/// which cells are folded; `None` if no span can be halved under the cap of control points.
 ///
 /// A row of cells counts what lies beyond the tolerance in all of them; the direction with the longer cells goes first.
 pub(super) fn refined(
     surface: &BsplineSurface,
     frames: &[PrincipalFrame<3>],
-    tolerance: f64,
+    (tolerance, folded): (f64, &[[usize; 2]]),
     max_controls: usize,
 ) -> Result<Option<BsplineSurface>, Error> {
     let knots = [surface.knots_u(), surface.knots_v()];
@@ -70,6 +70,12 @@ pub(super) fn refined(
             let place = spans[d].partition_point(|&s| s < span).min(spans[d].len() - 1);
             excess[d][place] += beyond * beyond;
             counts[d][place] += 1;
+        }
+    }
+    for cell in folded {
+        for d in 0..2 {
+            excess[d][cell[d]] += tolerance * tolerance;
+            counts[d][cell[d]] = counts[d][cell[d]].max(FEWEST);
         }
     }
     let lengths = cell_lengths(surface, &spans);

@@ -36,6 +36,7 @@ pub(super) struct Runs<'a> {
 }
 
 /// What a run came to.
+#[derive(Clone)]
 pub(super) struct Outcome {
     pub(super) fitted: Fitted<ActiveSurface, 3>,
     pub(super) folds: Folds,

@@ -7,6 +7,8 @@ use nurbs_core::BsplineSurface;
 
 /// Shares of the tolerance by which the removal of knots may move the surface, tried one after the other.
 const REMOVALS: [f64; 3] = [0.5, 0.25, 0.1];
+/// Insertions of knots at most where the tolerance holds but cells fold.
+const UNFOLDINGS: usize = 4;
 
 /// Fits from a surface: knots inserted where points are too far away, and removed where they carry nothing.
 pub(super) fn fit_to_tolerance(
@@ -16,10 +18,26 @@ pub(super) fn fit_to_tolerance(
 ) -> Result<Outcome, Error> {
     let options = runs.options;
     let mut outcome = runs.stage(surface, false)?;
-    while !outcome.is_good(options) && !outcome.is_cancelled() {
+    let mut best: Option<Outcome> = None;
+    let mut unfoldings = 0;
+    while !outcome.is_cancelled() {
+        let good = outcome.is_good(options);
+        if good && (outcome.folds.count() == 0 || unfoldings >= UNFOLDINGS) {
+            break;
+        }
+        // Within the tolerance, but with cells that fold: they are too large for what is in them.
+        let folded: &[[usize; 2]] = if good { &outcome.folds.folded } else { &[] };
         let (shape, frames) = (outcome.fitted.shape.surface(), &outcome.fitted.frames);
-        let Some(finer) = refined(shape, frames, tolerance, options.max_controls)? else { break };
-        outcome = runs.stage(finer, true)?;
+        let Some(finer) = refined(shape, frames, (tolerance, folded), options.max_controls)? else { break };
+        let next = runs.stage(finer, true)?;
+        if good {
+            unfoldings += 1;
+            best = Some(best.map_or_else(|| outcome.clone(), |best| better(best, outcome.clone(), runs)));
+        }
+        outcome = next;
+    }
+    if let Some(best) = best.filter(|_| !outcome.is_cancelled()) {
+        outcome = better(best, outcome, runs);
     }
     let knots_were_inserted = runs.count > 1;
     // They were in rows; some carry nothing.
