@@ -145,6 +145,11 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
         coefficients.iter().zip(&image).map(|(a, b)| a.dot(b)).sum::<f64>().max(0.0)
     }
 
+    /// The factor of the fairing; models of points fix the places in the tangent planes themselves.
+    fn faired(&self) -> f64 {
+        if self.options.term == ErrorTerm::Point { 0.0 } else { self.options.fairing }
+    }
+
     /// All energies with their factors, and the penalties.
     fn energy_of(&self, shape: &S) -> f64 {
         let coefficients = shape.coefficients();
@@ -177,9 +182,7 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
         let mut normal =
             assemble(&self.layout, &self.shape, self.samples, &self.feet, &weights, self.options.term);
         let answer = if self.schedule.asks() { self.ask(&normal, &weights) } else { Answer::NotAsked };
-        // Models of points fix the places in the tangent planes themselves.
-        let factor = if self.options.term == ErrorTerm::Point { 0.0 } else { self.options.fairing };
-        self.fairing = Fairing::new(&self.layout, &self.shape, &self.grams, factor);
+        self.fairing = Fairing::new(&self.layout, &self.shape, &self.grams, self.faired());
         if let Some(fairing) = &self.fairing {
             fairing.add_to(&self.layout, &mut normal, self.shape.coefficients());
         }
@@ -212,7 +215,9 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
         self.since_global =
             if self.search_for(trial.displacement) == Search::Global { 0 } else { self.since_global + 1 };
         self.shape = trial.shape;
-        self.shape.step_taken();
+        if self.faired() > 0.0 {
+            self.shape.step_taken();
+        }
         self.feet = trial.feet;
         if self.options.evolution {
             self.evolution.push(self.shape.coefficients().to_vec());

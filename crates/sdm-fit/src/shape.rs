@@ -113,8 +113,8 @@ pub trait ActiveShape<const D: usize>: Clone + Send + Sync {
         Vec::new()
     }
 
-    /// Called after each step that is taken: a shape may note where it went wrong, for [`Self::tangent_planes`]. By default it
-    /// notes nothing.
+    /// Called after each step that is taken with fairing: a shape may note where it went wrong, for [`Self::tangent_planes`]. By
+    /// default it notes nothing.
     fn step_taken(&mut self) {}
 
     /// What the present shape is to fulfil besides being near the target; nothing by default.

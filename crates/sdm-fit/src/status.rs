@@ -28,6 +28,11 @@ impl Status {
         matches!(self, Self::Converged)
     }
 
+    /// The status of a fit that ended within the tolerance that was asked for, or not: then its steps were enough.
+    pub(crate) fn within(self, tolerance: bool) -> Self {
+        if self == Self::MaxIterations && tolerance { Self::Converged } else { self }
+    }
+
     /// The name used in files: `converged`, `max_iterations`, …
     #[must_use]
     pub fn name(self) -> &'static str {

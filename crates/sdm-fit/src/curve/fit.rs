@@ -343,9 +343,8 @@ impl<'a, const D: usize> Work<'a, D> {
         let tolerance = self.options.abs_tolerance;
         let within = |limit: f64| found.iter().filter(|foot| foot.distance <= limit).count() as f64;
         let reached = tolerance.map(|limit| max <= limit);
-        let as_wanted = state.report.status == Status::MaxIterations && reached == Some(true);
         let report = CurveReport {
-            status: if as_wanted { Status::Converged } else { state.report.status },
+            status: state.report.status.within(reached == Some(true)),
             closed,
             closure,
             start,

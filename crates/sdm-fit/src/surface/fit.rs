@@ -102,7 +102,7 @@ impl SurfaceOptions {
         self.fit.check()?;
         match self.abs_tolerance {
             Some(value) if !(value > 0.0 && value.is_finite()) => {
-                Err(Error::Option { name: "abs_tolerance", value, allowed: "a positive length" })
+                Err(Error::Option { name: "tolerance", value, allowed: "a positive length" })
             }
             _ if !(self.share > 0.0 && self.share <= 1.0) => {
                 Err(Error::Option { name: "share", value: self.share, allowed: "in (0, 1]" })
@@ -297,8 +297,7 @@ fn concluded(
 ) -> Result<SurfaceFit, Error> {
     let share_within = options.abs_tolerance.map(|tolerance| share_within(&frames, tolerance));
     let within_tolerance = share_within.is_none_or(|share| share >= options.share);
-    let as_wanted = fit.status == Status::MaxIterations && share_within.is_some() && within_tolerance;
-    let status = if as_wanted { Status::Converged } else { fit.status };
+    let status = fit.status.within(share_within.is_some() && within_tolerance);
     let report = SurfaceReport {
         fit: FitReport { status, ..fit },
         base: None,
