@@ -102,7 +102,7 @@ impl SurfaceOptions {
         self.fit.check()?;
         match self.abs_tolerance {
             Some(value) if !(value > 0.0 && value.is_finite()) => {
-                Err(Error::Option { name: "tolerance", value, allowed: "a positive length" })
+                Err(Error::Option { name: "abs_tolerance", value, allowed: "a positive length" })
             }
             _ if !(self.share > 0.0 && self.share <= 1.0) => {
                 Err(Error::Option { name: "share", value: self.share, allowed: "in (0, 1]" })
