@@ -38,7 +38,7 @@ pub(crate) struct Package {
     pub(crate) description: String,
     /// Path of its `Cargo.toml` from the workspace root.
     pub(crate) manifest: String,
-    /// Names of all direct dependencies of any kind.
+    /// Names of all direct dependencies of any kind, without itself, which tests name to turn features on.
     pub(crate) dependencies: Vec<String>,
 }
 
@@ -142,6 +142,7 @@ fn read_packages(metadata: &serde_json::Value, root: &Path) -> Vec<Package> {
                 .unwrap_or(&empty)
                 .iter()
                 .map(|dependency| text(&dependency["name"]))
+                .filter(|name| *name != text(&package["name"]))
                 .collect(),
         })
         .collect();
@@ -156,7 +157,7 @@ mod tests {
     #[test]
     fn packages_are_read_from_metadata() {
         let metadata = serde_json::json!({ "packages": [
-            { "name": "b", "description": null, "manifest_path": "/r/crates/b/Cargo.toml", "dependencies": [{ "name": "a" }] },
+            { "name": "b", "description": null, "manifest_path": "/r/crates/b/Cargo.toml", "dependencies": [{ "name": "a" }, { "name": "b" }] },
             { "name": "a", "description": "First.", "manifest_path": "/r/crates/a/Cargo.toml", "dependencies": [] },
         ]});
         let packages = read_packages(&metadata, Path::new("/r"));

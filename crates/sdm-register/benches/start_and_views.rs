@@ -2,7 +2,7 @@
 
 #![allow(missing_docs, reason = "criterion's macros make public items")]
 
-#[path = "../tests/bodies/mod.rs"]
+#[path = "../tests/all/bodies/mod.rs"]
 mod bodies;
 
 use bodies::{Bumpy, Random, SixViews};

@@ -9,9 +9,9 @@
 //! it is reached. The least of three runs counts, since other work on the machine only ever adds to it. CPU time is that of all threads of the process, from `/proc` (Linux); it counts the same whatever else the machine
 //! does, but for the caches.
 
-#[path = "../tests/bodies/mod.rs"]
+#[path = "../tests/all/bodies/mod.rs"]
 mod bodies;
-#[path = "../tests/common/mod.rs"]
+#[path = "../tests/all/common/mod.rs"]
 mod common;
 
 use bodies::{Bumpy, SixViews};

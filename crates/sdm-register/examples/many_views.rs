@@ -6,7 +6,7 @@
 //! With `--given` only the runs from given initial poses. The body is a smooth closed surface given by a formula; the views have no point in common, and overlap by some 40 % with each neighbour, and are displaced by 5 to 10
 //! degrees and 2 % of the diameter. Errors are root mean square distances from the true place over all points, in diameters.
 
-#[path = "../tests/bodies/mod.rs"]
+#[path = "../tests/all/bodies/mod.rs"]
 mod bodies;
 
 use bodies::SixViews;

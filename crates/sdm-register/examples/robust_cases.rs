@@ -7,7 +7,7 @@
 //! the inliers as a share of the diameter; success is an error against the truth of at most 1.5 times that of the optimum, or
 //! 1e-4. `--bad` prints the starts that fail.
 
-#[path = "../tests/common/mod.rs"]
+#[path = "../tests/all/common/mod.rs"]
 mod common;
 
 use common::{Random, distance, model};

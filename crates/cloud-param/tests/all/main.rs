@@ -1,0 +1,9 @@
+//! All integration tests of `cloud-param` in one binary: linking once is most of what building them costs.
+
+mod common;
+mod directed;
+mod hull;
+mod multilevel;
+mod parameterise;
+mod turntable;
+mod visibility;

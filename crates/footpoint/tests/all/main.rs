@@ -1,0 +1,16 @@
+//! All integration tests of `footpoint` in one binary: linking once is most of what building them costs.
+
+mod all_feet;
+mod fast_mode;
+mod local_common;
+mod local_curve;
+mod local_surface;
+mod projector_analytic;
+mod projector_batches;
+mod projector_classes;
+mod projector_degenerate;
+mod projector_ground_truth;
+mod projector_laws;
+mod projector_oracle;
+mod projector_support;
+mod updates;

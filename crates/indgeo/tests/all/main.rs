@@ -1,0 +1,19 @@
+//! All integration tests of `indgeo` in one binary: linking once is most of what building them costs.
+
+mod browser;
+mod common;
+mod degenerate;
+mod demo;
+mod errors;
+mod files;
+mod fit_curve;
+mod fit_ruled;
+mod fit_subdivision;
+mod fit_surface;
+mod inspect;
+mod parameterize;
+mod project;
+mod register;
+mod register_views;
+mod report;
+mod selftest;

@@ -1,0 +1,136 @@
+//! `indgeo register` as a user runs it.
+
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+use crate::common::{Bench, SQUARE, fixture};
+use serde_json::Value;
+
+fn json(bench: &Bench, name: &str) -> Value {
+    serde_json::from_str(&bench.text(name)).unwrap()
+}
+
+/// Largest difference of two matrices.
+fn difference(a: &Value, b: &Value) -> f64 {
+    let entry = |m: &Value, i: usize, j: usize| m[i][j].as_f64().unwrap();
+    (0..16).map(|k| (entry(a, k / 4, k % 4) - entry(b, k / 4, k % 4)).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn a_displaced_cloud_comes_back() {
+    let bench = Bench::new();
+    let (model, case) = (fixture("register-cases/cad.json"), fixture("register-cases/cad_zero"));
+    let run = bench.run(&format!(
+        "register {model} {case}/source.ply -o moved.ply --transform pose.json --start global --json report.json"
+    ));
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let pose = json(&bench, "pose.json");
+    let truth: Value =
+        serde_json::from_str(&std::fs::read_to_string(format!("{case}/case.json")).unwrap()).unwrap();
+    assert!(difference(&pose["matrix"], &truth["T_gt"]) < 1e-12, "{pose}");
+    assert_eq!(pose["status"], "converged");
+    assert!(pose["rms"].as_f64().unwrap() < 1e-12 && pose["covariance"]["rows"].is_array());
+    let report = json(&bench, "report.json");
+    assert_eq!((&report["command"], &report["status"]), (&"register".into(), &"done".into()));
+    assert_eq!(report["results"]["matrix"], pose["matrix"]);
+
+    // The moved points lie on the model: both ways to move them agree.
+    let run = bench.run(&format!("inspect {model} moved.ply --tolerance 1e-9"));
+    assert_eq!(run.code, 0, "{}", run.stdout);
+    let run = bench.run(&format!("inspect {model} {case}/source.ply --tolerance 1e-9 --transform pose.json"));
+    assert_eq!(run.code, 0, "{}", run.stdout);
+}
+
+#[test]
+fn every_start_of_a_list_is_reported() {
+    let bench = Bench::new();
+    let (model, case) = (fixture("register-cases/cad.json"), fixture("register-cases/cad_zero"));
+    let truth: Value =
+        serde_json::from_str(&std::fs::read_to_string(format!("{case}/case.json")).unwrap()).unwrap();
+    bench.put("starts.json", serde_json::json!([truth["T_gt"], { "matrix": truth["T_gt"] }]).to_string());
+    let run = bench.run(&format!("register {model} {case}/source.ply --init starts.json --json -"));
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let report: Value = serde_json::from_str(&run.stdout).unwrap();
+    let starts = report["results"]["starts"].as_array().unwrap();
+    assert_eq!(starts.len(), 2);
+    for start in starts {
+        assert_eq!((&start["origin"], &start["status"]), (&"init".into(), &"converged".into()));
+        assert!(start["seconds"].as_f64().unwrap() >= 0.0 && start["iterations"].as_u64().unwrap() < 5);
+    }
+}
+
+#[test]
+fn motions_that_the_model_does_not_fix_are_named() {
+    let bench = Bench::new();
+    bench.put("model.json", SQUARE);
+    let points: String = (0..25)
+        .map(|k| format!("{} {} 0.25\n", 0.5 + 0.2 * f64::from(k % 5), 0.5 + 0.2 * f64::from(k / 5)))
+        .collect();
+    bench.put("points.xyz", &points);
+    let run = bench.run("register model.json points.xyz --transform pose.json --start given");
+    assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+    let pose = json(&bench, "pose.json");
+    assert_eq!(pose["free_motions"].as_array().unwrap().len(), 3, "{pose}");
+    assert!((pose["translation"][2].as_f64().unwrap() + 0.25).abs() < 1e-12);
+    assert!(pose["translation"][0].as_f64().unwrap().abs() < 1e-9);
+    assert!(run.stdout.contains("not fixed"), "{}", run.stdout);
+}
+
+#[test]
+fn bad_input_says_what_and_what_to_do() {
+    let bench = Bench::new();
+    bench.put("model.json", SQUARE);
+    bench.put("two.xyz", "0 0 0\n1 0 0\n");
+    bench.put("points.xyz", "0 0 1\n1 0 1\n0 1 1\n1 1 1\n");
+    bench.put("start.json", "[[1, 2], [3, 4]]");
+    for (arguments, message) in [
+        ("register model.json points.xyz", "nothing would be written"),
+        ("register model.json two.xyz -o moved.ply", "2 of 2 points can be used"),
+        ("register model.json points.xyz -o points.xyz", "overwrite an input"),
+        ("register model.json points.xyz -o moved.ply --init start.json", "start.json: entry 0"),
+        ("register model.json points.xyz -o moved.ply --overlap 0.5", "--outliers trimmed"),
+        ("register model.json points.xyz -o moved.ply --method symmetric", "no normals"),
+    ] {
+        let run = bench.run(arguments);
+        assert_eq!(run.code, 2, "{arguments}: {}", run.stdout);
+        assert!(run.stderr.contains(message), "{arguments}: {}", run.stderr);
+    }
+    assert!(!bench.files().contains(&"moved.ply".to_owned()));
+}
+
+#[test]
+fn points_of_the_plane_find_their_curve() {
+    let bench = Bench::new();
+    bench.put(
+        "profile.json",
+        r#"{"kind":"curve","dim":2,"degree":2,"knots":[0,0,0,1,1,1],"control_points":[[0,0],[1,3],[4,0]],"weights":null}"#,
+    );
+    let (sine, cosine) = 0.1f64.sin_cos();
+    let place = |t: f64| [2.0 * t * (1.0 - t) + 4.0 * t * t, 6.0 * t * (1.0 - t)];
+    let mut text = String::from("x,y,label\n");
+    for i in 0..60 {
+        let [x, y] = place(0.02 + 0.016 * f64::from(i));
+        // The inverse of a turn by 0.1 and a shift by (0.2, -0.1).
+        let (a, b) = (x - 0.2, y + 0.1);
+        text += &format!("{},{},{i}\n", cosine * a + sine * b, cosine * b - sine * a);
+    }
+    bench.put("points.csv", text);
+    let run =
+        bench.run("register profile.json points.csv -o moved.csv --transform pose.json --json report.json");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let pose = json(&bench, "pose.json");
+    let truth =
+        serde_json::json!([[cosine, -sine, 0, 0.2], [sine, cosine, 0, -0.1], [0, 0, 1, 0], [0, 0, 0, 1]]);
+    assert!(difference(&pose["matrix"], &truth) < 1e-12, "{pose}");
+    assert_eq!(pose["covariance"]["rows"].as_array().unwrap().len(), 3);
+    assert_eq!(json(&bench, "report.json")["model"]["dimension"], 2);
+    // Two columns and the label are kept, and the moved points lie on the curve.
+    assert!(bench.text("moved.csv").starts_with("x,y,label\n"), "{}", bench.text("moved.csv"));
+    for arguments in ["moved.csv", "points.csv --transform pose.json"] {
+        let run = bench.run(&format!("inspect profile.json {arguments} -t 1e-9"));
+        assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+    }
+    let run = bench.run("register profile.json points.csv -o moved.csv --lock tz");
+    assert!(run.code == 2 && run.stderr.contains("no effect in the plane"), "{}", run.stderr);
+    let run = bench.run("register profile.json points.csv -o moved.csv --start global");
+    assert!(run.code == 2 && run.stderr.contains("needs surfaces"), "{}", run.stderr);
+}

@@ -1,0 +1,4 @@
+//! All integration tests of `inspection` in one binary: linking once is most of what building them costs.
+
+mod merging;
+mod shapes;

@@ -1,0 +1,12 @@
+//! All integration tests of `mesh-core` in one binary: linking once is most of what building them costs.
+
+mod closest;
+mod cloud_index;
+mod curvature;
+mod limit_surface;
+mod line_hit;
+mod loop_subdivision;
+mod normals;
+mod polyline;
+mod sampling;
+mod shapes;

@@ -1,0 +1,11 @@
+//! All integration tests of `nurbs-core` in one binary: linking once is most of what building them costs.
+
+mod analytic;
+mod batch;
+mod construct;
+mod fitting;
+mod laws;
+mod offset;
+mod random;
+mod refinement;
+mod tessellate;

@@ -1,0 +1,7 @@
+//! All integration tests of `pc-io` in one binary: linking once is most of what building them costs.
+
+mod common;
+mod mutation;
+mod reference;
+mod round_trip;
+mod sniffing;

@@ -1,0 +1,14 @@
+//! All integration tests of `sdm-fit` in one binary: linking once is most of what building them costs.
+
+mod curve_cases;
+mod curve_narrow;
+mod curve_search;
+mod curve_terms;
+mod curves;
+mod level_sets;
+mod primitives;
+mod ruled;
+mod subdivision;
+mod surface_tolerance;
+mod surfaces;
+mod teapot;
