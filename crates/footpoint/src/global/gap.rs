@@ -35,6 +35,13 @@ impl Gap {
         distance_sq * (1.0 + 4.0 * self.tie)
     }
 
+    /// A squared lower bound below this is weaker than what rounding errors explain: the proof has not ended.
+    #[inline(always)]
+    pub(crate) fn open_sq(&self, distance_sq: f64) -> f64 {
+        let limit = distance_sq.sqrt() * (1.0 - 2.0 * self.relative) - 2.0 * self.absolute;
+        if limit > 0.0 { limit * limit } else { 0.0 }
+    }
+
     /// The squared distance below which nothing may be found once the footpoint is `distance_sq` away.
     #[inline(always)]
     pub(crate) fn limit_sq(&self, distance_sq: f64) -> f64 {

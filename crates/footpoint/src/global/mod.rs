@@ -15,6 +15,7 @@ pub(crate) mod evaluate;
 pub(crate) mod fine;
 pub(crate) mod gap;
 pub(crate) mod geometry;
+pub(crate) mod hulls;
 mod landing_lanes;
 pub(crate) mod lanes;
 pub(crate) mod line;

@@ -1,4 +1,4 @@
-//! Many points at once: coherent order, warm starts, threads (the only file that knows `rayon`).
+//! Many points at once: coherent order, threads (the only file that knows `rayon`).
 
 use super::Progress;
 use crate::global::simd::vectorized;
@@ -33,7 +33,7 @@ pub(crate) fn single<const D: usize, B: Batch<D>>(
     slice(batch, std::slice::from_ref(x), &[0], scratch, &mut |_, out| out).unwrap_or_else(|| batch.invalid())
 }
 
-/// Answers the points of one chunk in order; each starts from the answer before it. Returns the last answer.
+/// Answers the points of one chunk in order; local iterations start from the answer before. Returns the last answer.
 fn slice<const D: usize, B: Batch<D>>(
     batch: &B,
     points: &[SVector<f64, D>],

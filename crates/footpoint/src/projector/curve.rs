@@ -139,9 +139,10 @@ impl<const D: usize> CurveProjector<D> {
         ));
     }
 
-    /// Projects many points, in parallel, each with the result of its neighbour as a start.
+    /// Projects many points, in parallel.
     ///
-    /// The results come in the order of the points, with the same bits whatever the number of threads.
+    /// The results come in the order of the points. Each is the one of [`project_with`](Self::project_with), bit by bit, whatever the
+    /// other points and the number of threads; but in [`Mode::Local`] each point starts from the answer of its neighbour.
     /// `progress` may cancel: what is left then has [`Status::Cancelled`].
     #[must_use]
     pub fn project_many(
@@ -245,9 +246,9 @@ impl<const D: usize, const K: usize> Batch<D> for CurveQuery<'_, D, K> {
             *foot = walk.foot;
             return self.set.conclude_walk(x, &walk);
         }
-        let start = hint.map(|foot| self.set.descend(x, foot.piece, foot.local, 12));
+        // Nothing of the neighbours: an answer is the same in every batch.
         let certify = self.mode == Mode::Certified;
-        let (foot, bound_sq) = self.set.search(x, start, certify, &self.gap, scratch);
+        let (foot, bound_sq) = self.set.search(x, certify, &self.gap, scratch);
         if foot.piece == usize::MAX {
             // Squares of the coordinates overflow.
             return CurveFootpoint { status: Status::Diverged, ..CurveFootpoint::invalid() };

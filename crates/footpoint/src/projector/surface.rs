@@ -42,6 +42,8 @@ pub(crate) enum Sets {
     One(PatchSet<1>),
     /// Up to 7.
     Two(PatchSet<2>),
+    /// Up to 15.
+    Four(PatchSet<4>),
     /// Up to 25.
     Seven(PatchSet<7>),
 }
@@ -52,6 +54,7 @@ macro_rules! with_set {
         match $sets {
             Sets::One($set) => $body,
             Sets::Two($set) => $body,
+            Sets::Four($set) => $body,
             Sets::Seven($set) => $body,
         }
     };
@@ -83,6 +86,7 @@ impl SurfaceProjector {
         let set = match degree {
             0..=3 => Sets::One(PatchSet::new(all)),
             4..=7 => Sets::Two(PatchSet::new(all)),
+            8..=15 => Sets::Four(PatchSet::new(all)),
             _ => Sets::Seven(PatchSet::new(all)),
         };
         Self { set }
@@ -133,9 +137,10 @@ impl SurfaceProjector {
         })
     }
 
-    /// Projects many points, in parallel, each with the result of its neighbour as a start.
+    /// Projects many points, in parallel.
     ///
-    /// The results come in the order of the points, with the same bits whatever the number of threads.
+    /// The results come in the order of the points. Each is the one of [`project_with`](Self::project_with), bit by bit, whatever the
+    /// other points and the number of threads; but in [`Mode::Local`] each point starts from the answer of its neighbour.
     /// `progress` may cancel: what is left then has [`Status::Cancelled`].
     #[must_use]
     pub fn project_many(
@@ -222,9 +227,9 @@ impl<const K: usize> Batch<3> for SurfaceQuery<'_, K> {
             *foot = walk.foot;
             return self.set.conclude_walk(x, &walk);
         }
-        let start = hint.map(|foot| self.set.descend(x, foot.patch, foot.local, 12));
+        // Nothing of the neighbours: an answer is the same in every batch.
         let certify = self.mode == Mode::Certified;
-        let found = self.set.search(x, start, certify, &self.gap, scratch);
+        let found = self.set.search(x, certify, &self.gap, scratch);
         if found.foot.patch == usize::MAX {
             // Squares of the coordinates overflow.
             return SurfaceFootpoint { status: Status::Diverged, ..SurfaceFootpoint::invalid() };
