@@ -104,7 +104,8 @@ impl BsplineSurface {
             for (j, row) in rows_v.iter().enumerate() {
                 let slot = &mut half[i * (q + 1) + j];
                 for l in 0..=q {
-                    let b = row[l] * self.factors().map_or(1.0, |w| w[(first_u + i) * self.n_v() + first_v + l]);
+                    let b =
+                        row[l] * self.factors().map_or(1.0, |w| w[(first_u + i) * self.n_v() + first_v + l]);
                     slot.0 += self.control_point(first_u + i, first_v + l) * b;
                     slot.1 += b;
                 }

@@ -47,8 +47,9 @@ impl<const D: usize> BsplineCurve<D> {
             let size = extent(&control_points);
             for first in 0..knots.degree() {
                 let index = distinct + first;
-                let gap = (control_points[index] - control_points[first]).norm();
-                let weight_gap = scaled.as_ref().or(weights.as_ref()).map_or(0.0, |w| (w[index] / w[first] - 1.0).abs());
+                let gap = (control_points[index] - control_points[first]).amax();
+                let weight_gap =
+                    scaled.as_ref().or(weights.as_ref()).map_or(0.0, |w| (w[index] / w[first] - 1.0).abs());
                 if gap > 1e-9 * size || weight_gap > 1e-9 {
                     return Err(Error::PeriodicControlPoint { index, first });
                 }

@@ -56,7 +56,7 @@ impl BsplineSurface {
         let size = extent(&self.control_points);
         let (n_u, n_v) = (self.n_u(), self.n_v());
         let same = |index: usize, first: usize| {
-            let gap = (self.control_points[index] - self.control_points[first]).norm();
+            let gap = (self.control_points[index] - self.control_points[first]).amax();
             let weight_gap = self.factors().map_or(0.0, |w| (w[index] / w[first] - 1.0).abs());
             if gap > 1e-9 * size || weight_gap > 1e-9 {
                 Err(Error::PeriodicControlPoint { index, first })
@@ -169,7 +169,9 @@ impl BsplineSurface {
                 for i in 0..=p {
                     for j in 0..=q {
                         let (row, column) = (span_u - p + i, span_v - q + j);
-                        let b = bu[k][i] * bv[l][j] * self.factors().map_or(1.0, |w| w[row * self.n_v() + column]);
+                        let b = bu[k][i]
+                            * bv[l][j]
+                            * self.factors().map_or(1.0, |w| w[row * self.n_v() + column]);
                         a[k][l] += self.control_point(row, column) * b;
                         w[k][l] += b;
                     }

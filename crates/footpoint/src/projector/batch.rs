@@ -4,10 +4,14 @@ use super::Progress;
 use crate::global::simd::vectorized;
 use nalgebra::SVector;
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::cmp::Ordering;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
 
 /// Points per task: fixed, so that the results do not depend on the number of threads.
 const CHUNK: usize = 512;
+
+/// Points after which the progress is told, and a cancellation noticed, inside a task.
+const REPORT: usize = 32;
 
 /// What a batch of queries needs to know about the shape.
 pub(crate) trait Batch<const D: usize>: Sync {
@@ -30,16 +34,17 @@ pub(crate) fn single<const D: usize, B: Batch<D>>(
     x: &SVector<f64, D>,
     scratch: &mut B::Scratch,
 ) -> B::Output {
-    slice(batch, std::slice::from_ref(x), &[0], scratch, &mut |_, out| out).unwrap_or_else(|| batch.invalid())
+    slice(batch, std::slice::from_ref(x), &[0], scratch, &mut |_, out| (out, true))
+        .unwrap_or_else(|| batch.invalid())
 }
 
-/// Answers the points of one chunk in order; each starts from the answer before it. Returns the last answer.
+/// Answers the points of one chunk in order, as long as `store` says so. Returns the last answer.
 fn slice<const D: usize, B: Batch<D>>(
     batch: &B,
     points: &[SVector<f64, D>],
     order: &[u32],
     scratch: &mut B::Scratch,
-    store: &mut dyn FnMut(u32, B::Output) -> B::Output,
+    store: &mut dyn FnMut(u32, B::Output) -> (B::Output, bool),
 ) -> Option<B::Output> {
     vectorized(
         #[inline(always)]
@@ -53,7 +58,11 @@ fn slice<const D: usize, B: Batch<D>>(
                 } else {
                     batch.invalid()
                 };
-                last = Some(store(index, out));
+                let (answer, go_on) = store(index, out);
+                last = Some(answer);
+                if !go_on {
+                    break;
+                }
             }
             last
         },
@@ -73,17 +82,20 @@ pub(crate) fn run<const D: usize, B: Batch<D>>(
         .par_chunks(CHUNK)
         .map_init(B::Scratch::default, |scratch, chunk| {
             let mut out = Vec::with_capacity(chunk.len());
-            if cancelled.load(Ordering::Relaxed) {
+            if cancelled.load(Relaxed) {
                 return out;
             }
             slice(batch, points, chunk, scratch, &mut |index, answer| {
                 out.push((index, answer));
-                answer
+                if out.len() % REPORT == 0 || out.len() == chunk.len() {
+                    let news = if out.len() % REPORT == 0 { REPORT } else { out.len() % REPORT };
+                    let total = done.fetch_add(news, Relaxed) + news;
+                    if progress(total, points.len()).is_break() {
+                        cancelled.store(true, Relaxed);
+                    }
+                }
+                (answer, !cancelled.load(Relaxed))
             });
-            let total = done.fetch_add(chunk.len(), Ordering::Relaxed) + chunk.len();
-            if progress(total, points.len()).is_break() {
-                cancelled.store(true, Ordering::Relaxed);
-            }
             out
         })
         .collect();
@@ -112,7 +124,7 @@ pub(crate) fn zip_chunks<P: Sync, R: Send, W: Default + Send>(
 }
 
 /// Indices of the points along a space-filling (Morton) curve, so that neighbours in the order are neighbours in
-/// space; ties keep the order of the input.
+/// space; points in one cell are ordered by their coordinates, so that the order is that of the set of points.
 fn coherent_order<const D: usize>(points: &[SVector<f64, D>]) -> Vec<u32> {
     let mut low = SVector::<f64, D>::repeat(f64::INFINITY);
     let mut high = -low;
@@ -137,7 +149,14 @@ fn coherent_order<const D: usize>(points: &[SVector<f64, D>]) -> Vec<u32> {
     };
     let mut keyed: Vec<(u64, u32)> =
         points.par_iter().enumerate().map(|(i, p)| (key(p), u32::try_from(i).unwrap_or(u32::MAX))).collect();
-    keyed.par_sort_unstable();
+    let coordinates = |i: u32| points[i as usize].iter();
+    keyed.par_sort_unstable_by(|a, b| {
+        let same_cell = || {
+            let pairs = coordinates(a.1).zip(coordinates(b.1));
+            pairs.map(|(p, q)| p.total_cmp(q)).find(|o| o.is_ne()).unwrap_or(Ordering::Equal)
+        };
+        a.0.cmp(&b.0).then_with(same_cell).then(a.1.cmp(&b.1))
+    });
     keyed.into_iter().map(|(_, index)| index).collect()
 }
 
