@@ -11,6 +11,9 @@ pub enum Status {
     Converged,
     /// They hold at the boundary of the domain: the distance would decrease outside only.
     OnBoundary,
+    /// The optimality conditions hold, in the interior or at the boundary, but a certificate was asked for and stayed open:
+    /// `distance − lower_bound` is larger than the options allow, so that another point may be nearer by as much.
+    Uncertified,
     /// Steps became negligible, but the optimality conditions do not hold.
     Stalled,
     /// The limit on iterations was reached first.
@@ -24,10 +27,10 @@ pub enum Status {
 }
 
 impl Status {
-    /// Whether the footpoint satisfies the optimality conditions.
+    /// Whether the footpoint satisfies the optimality conditions, proven to be the nearest or not.
     #[must_use]
     pub fn is_converged(self) -> bool {
-        matches!(self, Self::Converged | Self::OnBoundary)
+        matches!(self, Self::Converged | Self::OnBoundary | Self::Uncertified)
     }
 
     /// The name used in files: `converged`, `on_boundary`, …
@@ -36,6 +39,7 @@ impl Status {
         match self {
             Self::Converged => "converged",
             Self::OnBoundary => "on_boundary",
+            Self::Uncertified => "uncertified",
             Self::Stalled => "stalled",
             Self::MaxIterations => "max_iterations",
             Self::Diverged => "diverged",

@@ -57,6 +57,16 @@ fn write_projection(text: &mut String, report: &Report, results: &ProjectionResu
     }
     if let Some(gap) = results.largest_gap {
         writeln!(text, "  certified no point of the model is nearer by more than {gap:.1e}")?;
+    } else if report.model.as_ref().is_some_and(|model| model.kind != "mesh") {
+        let mode = report.options.as_ref().map_or("", |options| options.mode);
+        let what = match mode {
+            "local" => "each foot is the local minimum next to a nearby sample",
+            _ => "each foot is the best of several local minima",
+        };
+        writeln!(
+            text,
+            "  proven    none: in mode {mode} {what}; another point may be nearer, lower_bound is empty"
+        )?;
     }
     write_end(text, report)
 }

@@ -3,7 +3,7 @@
 use super::ease::eased;
 use super::{SurfaceFit, rms};
 use crate::{Error, SurfaceDefects};
-use footpoint::{ProjectionOptions, SurfaceProjector};
+use footpoint::SurfaceProjector;
 use nalgebra::Vector3;
 use nurbs_core::BsplineSurface;
 use sdm_fit::{
@@ -134,7 +134,7 @@ fn minimised(
 /// Root mean square orthogonal distance of points from a surface.
 fn rms_from(points: &[Vector3<f64>], surface: &BsplineSurface) -> f64 {
     let projector = SurfaceProjector::new(surface);
-    let feet = projector.project_many(points, &ProjectionOptions::default(), &footpoint::no_progress);
+    let feet = projector.project_all(points);
     let all: Vec<usize> = (0..points.len()).collect();
     rms(&all, &feet)
 }
@@ -237,7 +237,7 @@ pub fn finish_fit_with_progress(
     let Minimised { surface, moved_back, raw, is_folded, .. } = made;
     let defects = |surface: &BsplineSurface| SurfaceDefects::of(surface, None);
     let projector = SurfaceProjector::new(&surface);
-    let feet = projector.project_many(points, &ProjectionOptions::default(), &footpoint::no_progress);
+    let feet = projector.project_all(points);
     let distance = rms(&used, &feet);
     let outcome = match () {
         () if cancelled => FinishOutcome::Cancelled,

@@ -4,24 +4,26 @@ use super::Progress;
 use crate::global::simd::vectorized;
 use nalgebra::SVector;
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::cmp::Ordering;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
 
 /// Points per task: fixed, so that the results do not depend on the number of threads.
 const CHUNK: usize = 512;
+
+/// Points after which the progress is told, and a cancellation noticed, inside a task.
+const REPORT: usize = 32;
 
 /// What a batch of queries needs to know about the shape.
 pub(crate) trait Batch<const D: usize>: Sync {
     /// Working memory.
     type Scratch: Default + Send + 'static;
-    /// Where the last footpoint was.
-    type Hint: Default;
     /// Result of one query.
     type Output: Copy + Send + Sync;
 
     fn invalid(&self) -> Self::Output;
     fn cancelled(&self) -> Self::Output;
-    fn answer(&self, x: &SVector<f64, D>, hint: &mut Self::Hint, scratch: &mut Self::Scratch)
-    -> Self::Output;
+    /// The answer for a finite point, which depends on nothing else.
+    fn answer(&self, x: &SVector<f64, D>, scratch: &mut Self::Scratch) -> Self::Output;
 }
 
 /// One query.
@@ -30,32 +32,36 @@ pub(crate) fn single<const D: usize, B: Batch<D>>(
     x: &SVector<f64, D>,
     scratch: &mut B::Scratch,
 ) -> B::Output {
-    slice(batch, std::slice::from_ref(x), &[0], scratch, &mut |_, out| out).unwrap_or_else(|| batch.invalid())
+    let mut answer = batch.invalid();
+    slice(batch, std::slice::from_ref(x), &[0], scratch, &mut |_, out| {
+        answer = out;
+        true
+    });
+    answer
 }
 
-/// Answers the points of one chunk in order; local iterations start from the answer before. Returns the last answer.
+/// Answers the points of one chunk in order, as long as `store` says so.
 fn slice<const D: usize, B: Batch<D>>(
     batch: &B,
     points: &[SVector<f64, D>],
     order: &[u32],
     scratch: &mut B::Scratch,
-    store: &mut dyn FnMut(u32, B::Output) -> B::Output,
-) -> Option<B::Output> {
+    store: &mut dyn FnMut(u32, B::Output) -> bool,
+) {
     vectorized(
         #[inline(always)]
         || {
-            let mut hint = B::Hint::default();
-            let mut last = None;
             for &index in order {
                 let x = &points[index as usize];
                 let out = if x.iter().all(|c| c.is_finite()) {
-                    batch.answer(x, &mut hint, scratch)
+                    batch.answer(x, scratch)
                 } else {
                     batch.invalid()
                 };
-                last = Some(store(index, out));
+                if !store(index, out) {
+                    break;
+                }
             }
-            last
         },
     )
 }
@@ -73,17 +79,20 @@ pub(crate) fn run<const D: usize, B: Batch<D>>(
         .par_chunks(CHUNK)
         .map_init(B::Scratch::default, |scratch, chunk| {
             let mut out = Vec::with_capacity(chunk.len());
-            if cancelled.load(Ordering::Relaxed) {
+            if cancelled.load(Relaxed) {
                 return out;
             }
             slice(batch, points, chunk, scratch, &mut |index, answer| {
                 out.push((index, answer));
-                answer
+                if out.len() % REPORT == 0 || out.len() == chunk.len() {
+                    let news = if out.len() % REPORT == 0 { REPORT } else { out.len() % REPORT };
+                    let total = done.fetch_add(news, Relaxed) + news;
+                    if progress(total, points.len()).is_break() {
+                        cancelled.store(true, Relaxed);
+                    }
+                }
+                !cancelled.load(Relaxed)
             });
-            let total = done.fetch_add(chunk.len(), Ordering::Relaxed) + chunk.len();
-            if progress(total, points.len()).is_break() {
-                cancelled.store(true, Ordering::Relaxed);
-            }
             out
         })
         .collect();
@@ -112,7 +121,7 @@ pub(crate) fn zip_chunks<P: Sync, R: Send, W: Default + Send>(
 }
 
 /// Indices of the points along a space-filling (Morton) curve, so that neighbours in the order are neighbours in
-/// space; ties keep the order of the input.
+/// space; points in one cell are ordered by their coordinates, so that the order is that of the set of points.
 fn coherent_order<const D: usize>(points: &[SVector<f64, D>]) -> Vec<u32> {
     let mut low = SVector::<f64, D>::repeat(f64::INFINITY);
     let mut high = -low;
@@ -137,7 +146,14 @@ fn coherent_order<const D: usize>(points: &[SVector<f64, D>]) -> Vec<u32> {
     };
     let mut keyed: Vec<(u64, u32)> =
         points.par_iter().enumerate().map(|(i, p)| (key(p), u32::try_from(i).unwrap_or(u32::MAX))).collect();
-    keyed.par_sort_unstable();
+    let coordinates = |i: u32| points[i as usize].iter();
+    keyed.par_sort_unstable_by(|a, b| {
+        let same_cell = || {
+            let pairs = coordinates(a.1).zip(coordinates(b.1));
+            pairs.map(|(p, q)| p.total_cmp(q)).find(|o| o.is_ne()).unwrap_or(Ordering::Equal)
+        };
+        a.0.cmp(&b.0).then_with(same_cell).then(a.1.cmp(&b.1))
+    });
     keyed.into_iter().map(|(_, index)| index).collect()
 }
 

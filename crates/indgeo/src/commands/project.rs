@@ -12,7 +12,8 @@ use std::path::PathBuf;
 
 /// Find the closest point of MODEL for every point of POINTS
 ///
-/// The answer is certified: no other point of the model is nearer, but for a gap that is reported.
+/// The answer is certified: no other point of the model is nearer, but for a gap that is reported; a point for which the
+/// proof stays open is `uncertified`, and the exit status 1.
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = AFTER_HELP)]
 pub(crate) struct Args {
@@ -47,9 +48,10 @@ pub(crate) struct Search {
 pub(crate) enum SearchMode {
     /// Global search with a proof that no point is nearer
     Certified,
-    /// Local iterations from the most promising pieces; no proof
+    /// Local iterations from the most promising pieces; no proof, lower_bound is empty
     Fast,
-    /// One local iteration from the answer of a neighbouring point; no proof, for points close to the model
+    /// One local iteration from the nearest of a few samples: a local foot only, wrong where the model comes near the point
+    /// twice; no proof, lower_bound is empty; for points close to the model
     Local,
 }
 
@@ -83,24 +85,26 @@ impl SearchMode {
 
 const AFTER_HELP: &str = "\
 Columns of OUT, one row per point, in the order of POINTS:
-  surfaces            x,y,z,foot_x,foot_y,foot_z,distance,shape,u,v,status
-  curves in space     x,y,z,foot_x,foot_y,foot_z,distance,shape,t,status
+  surfaces            x,y,z,foot_x,foot_y,foot_z,distance,shape,u,v,status,lower_bound
+  curves in space     x,y,z,foot_x,foot_y,foot_z,distance,shape,t,status,lower_bound
   both                as for surfaces; on a curve u is t and v is empty
-  mesh                x,y,z,foot_x,foot_y,foot_z,distance,shape,triangle,status    (shape is 0)
-  one plane curve     x,y,foot_x,foot_y,distance,t
-  several of them     x,y,foot_x,foot_y,distance,shape,t,status
+  mesh                x,y,z,foot_x,foot_y,foot_z,distance,shape,triangle,status,lower_bound  (shape is 0)
+  one plane curve     x,y,foot_x,foot_y,distance,t,status,lower_bound
+  several of them     x,y,foot_x,foot_y,distance,shape,t,status,lower_bound
 Plane curves (\"dim\": 2) take points of two columns, or with z = 0.
 
 distance  in the unit of the files. Onto surfaces it is positive on the side to which the normal (du x dv) points, onto
           closed meshes positive outside; onto curves and open meshes it has no sign.
 shape     index of the curve or surface in the model, triangle: index in the mesh; both count from 0.
-status    converged, on_boundary (the closest point lies on the boundary of the model), stalled, max_iterations,
-          diverged, cancelled, invalid_point. In PLY a number, named in the header.
+status    converged, on_boundary (the closest point lies on the boundary of the model), uncertified (a foot, but the proof
+          that none is nearer stayed open), stalled, max_iterations, diverged, cancelled, invalid_point. In PLY a number,
+          named in the header.
+lower_bound  no point of the model is nearer than this; empty where nothing was proven (--mode fast and local).
 Numbers read back to the same bits. .csv: a missing value is empty. .ply: binary, doubles, NaN and -1 where there is no
 value; triangles of POINTS are kept. .json: {\"points\": N, \"columns\": [...], \"x\": [...], ...}, null where there is
 no value.
 
-Exit status 1 if a finite point did not converge; the result is written nevertheless. Points that are not finite cause
+Exit status 1 if a finite point did not converge or stayed uncertified; the result is written nevertheless. Points that are not finite cause
 a warning, not a failure.
 
 Examples:

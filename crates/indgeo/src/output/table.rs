@@ -26,6 +26,8 @@ pub(super) enum Column {
     Triangle,
     /// How the projection ended.
     Status,
+    /// What is proven: no point of the model is nearer.
+    LowerBound,
 }
 
 impl Column {
@@ -45,6 +47,7 @@ impl Column {
             Self::T => "t",
             Self::Triangle => "triangle",
             Self::Status => "status",
+            Self::LowerBound => "lower_bound",
         }
     }
 
@@ -60,6 +63,7 @@ impl Column {
             Self::V => Cell::Number(foot.parameter[1]),
             Self::Triangle => index(foot.triangle),
             Self::Status => status_cell(foot.status),
+            Self::LowerBound => Cell::Number(foot.lower_bound),
         }
     }
 }
@@ -76,15 +80,14 @@ impl Layout {
         columns.extend((0..dimension).map(Column::Foot));
         columns.push(Column::Distance);
         let rest: &[Column] = match target {
-            // A single curve in the plane has exactly these columns.
+            // A single curve in the plane has no index.
             Target::Plane(_) if shapes == 1 => &[Column::T],
-            Target::Plane(_) | Target::Space { surfaces: None, .. } => {
-                &[Column::Shape, Column::T, Column::Status]
-            }
-            Target::Space { .. } => &[Column::Shape, Column::U, Column::V, Column::Status],
-            Target::Mesh(_) => &[Column::Shape, Column::Triangle, Column::Status],
+            Target::Plane(_) | Target::Space { surfaces: None, .. } => &[Column::Shape, Column::T],
+            Target::Space { .. } => &[Column::Shape, Column::U, Column::V],
+            Target::Mesh(_) => &[Column::Shape, Column::Triangle],
         };
         columns.extend(rest);
+        columns.extend([Column::Status, Column::LowerBound]);
         Self(columns)
     }
 
@@ -108,7 +111,7 @@ pub(crate) struct Table<'a> {
 }
 
 /// The statuses in the order of their numbers in binary files.
-const STATUSES: [Status; 7] = [
+const STATUSES: [Status; 8] = [
     Status::Converged,
     Status::OnBoundary,
     Status::Stalled,
@@ -116,6 +119,7 @@ const STATUSES: [Status; 7] = [
     Status::Diverged,
     Status::Cancelled,
     Status::InvalidPoint,
+    Status::Uncertified,
 ];
 
 /// The number of a status in the file; 255 for one that is not listed.

@@ -34,19 +34,20 @@ impl<const D: usize> CurvesNominal<D> {
         points: &[Point3<f64>],
         options: &InspectionOptions,
         progress: Progress<'_>,
-    ) -> Vec<Deviation> {
+    ) -> Result<Vec<Deviation>, Error> {
         let queries: Vec<SVector<f64, D>> =
             points.iter().map(|point| SVector::from_fn(|i, _| point[i])).collect();
-        let feet = self.projector.project_many(&queries, &options.projection, progress);
+        let feet = self.projector.project_many(&queries, &options.projection, progress)?;
         let unfinished = Deviation::none(Outcome::Cancelled);
-        crate::parallel::map(points.len(), &unfinished, &footpoint::no_progress, |index| {
+        Ok(crate::parallel::map(points.len(), &unfinished, &footpoint::no_progress, |index| {
             self.deviation(&queries[index], &feet[index])
-        })
+        }))
     }
 
     fn deviation(&self, x: &SVector<f64, D>, foot: &CurveFootpoint<D>) -> Deviation {
         let outcome = match foot.status {
-            Status::Converged | Status::OnBoundary => Outcome::Measured,
+            // An open certificate leaves a true foot, and the gap tells what may be nearer.
+            Status::Converged | Status::OnBoundary | Status::Uncertified => Outcome::Measured,
             Status::InvalidPoint => Outcome::InvalidPoint,
             Status::Cancelled => Outcome::Cancelled,
             _ => Outcome::NotConverged,
@@ -74,7 +75,7 @@ impl<const D: usize> CurvesNominal<D> {
                 Location::Seam => Place::Seam,
                 Location::Pole => Place::Pole,
             },
-            on_boundary: foot.status == Status::OnBoundary
+            on_boundary: foot.status.is_converged()
                 && matches!(foot.location, Location::Edge | Location::Corner),
         }
     }

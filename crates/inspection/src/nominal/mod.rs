@@ -168,11 +168,11 @@ impl Nominal {
         }
         let mut deviations = match options.along {
             Along::Shortest => match &self.kind {
-                Kind::Surfaces(nominal) => nominal.shortest(points, options, progress),
+                Kind::Surfaces(nominal) => nominal.shortest(points, options, progress)?,
                 Kind::Mesh(nominal) => nominal.shortest(points, progress),
                 Kind::Analytic(nominal) => nominal.shortest(points, progress),
-                Kind::Profile(nominal) => nominal.shortest(points, options, progress),
-                Kind::Curves(nominal) => nominal.shortest(points, options, progress),
+                Kind::Profile(nominal) => nominal.shortest(points, options, progress)?,
+                Kind::Curves(nominal) => nominal.shortest(points, options, progress)?,
             },
             Along::Normal => {
                 let normals = normals.filter(|normals| normals.len() == points.len());

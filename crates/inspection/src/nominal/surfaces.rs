@@ -35,19 +35,20 @@ impl SurfacesNominal {
         points: &[Point3<f64>],
         options: &InspectionOptions,
         progress: Progress<'_>,
-    ) -> Vec<Deviation> {
+    ) -> Result<Vec<Deviation>, Error> {
         let queries: Vec<Vector3<f64>> = points.iter().map(|point| point.coords).collect();
-        let feet = self.projector.project_many(&queries, &options.projection, progress);
+        let feet = self.projector.project_many(&queries, &options.projection, progress)?;
         let unfinished = Deviation::none(Outcome::Cancelled);
-        crate::parallel::map(points.len(), &unfinished, &footpoint::no_progress, |index| {
+        Ok(crate::parallel::map(points.len(), &unfinished, &footpoint::no_progress, |index| {
             self.deviation(&queries[index], &feet[index])
-        })
+        }))
     }
 
     fn deviation(&self, x: &Vector3<f64>, foot: &SurfaceFootpoint) -> Deviation {
         use footpoint::Status;
         let outcome = match foot.status {
-            Status::Converged | Status::OnBoundary => Outcome::Measured,
+            // An open certificate leaves a true foot, and the gap tells what may be nearer.
+            Status::Converged | Status::OnBoundary | Status::Uncertified => Outcome::Measured,
             Status::InvalidPoint => Outcome::InvalidPoint,
             Status::Cancelled => Outcome::Cancelled,
             _ => Outcome::NotConverged,
@@ -69,7 +70,7 @@ impl SurfacesNominal {
             shape: u32::try_from(foot.shape).unwrap_or(u32::MAX),
             triangle: u32::MAX,
             place: place(foot.location),
-            on_boundary: foot.status == Status::OnBoundary
+            on_boundary: foot.status.is_converged()
                 && matches!(foot.location, Location::Edge | Location::Corner),
         }
     }
