@@ -106,7 +106,7 @@ pub(super) fn minimise<const D: usize, M: Model<D>>(
 }
 
 /// Levenberg and Marquardt until a full step moves the shape by less than `settled`. False if steps run out.
-pub(super) fn approach<const D: usize, M: Model<D>>(
+fn approach<const D: usize, M: Model<D>>(
     found: &mut Minimum<M>,
     points: &[SVector<f64, D>],
     worth: Worth,
