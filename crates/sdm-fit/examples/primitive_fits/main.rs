@@ -13,8 +13,8 @@ use reference::lowest;
 use scenes::{KINDS, Kind, Piece, Random, Scene, scene};
 use sdm_fit::Error;
 use sdm_fit::primitive::{
-    PrimitiveFit, PrimitiveOptions, PrimitiveOutliers, PrimitiveStatus, fit_circle, fit_circle_in_space, fit_cone,
-    fit_cylinder, fit_line, fit_plane, fit_sphere, fit_torus,
+    PrimitiveFit, PrimitiveOptions, PrimitiveOutliers, PrimitiveStatus, fit_circle, fit_circle_in_space,
+    fit_cone, fit_cylinder, fit_line, fit_plane, fit_sphere, fit_torus,
 };
 
 /// What is looked at in a fit.
@@ -65,8 +65,11 @@ fn main() {
     let mut arguments = std::env::args().skip(1);
     let seeds: u64 = arguments.next().and_then(|a| a.parse().ok()).unwrap_or(4);
     let only = arguments.next();
-    let chosen = |kind: &Kind| only.as_ref().is_none_or(|name| format!("{kind:?}").eq_ignore_ascii_case(name));
-    println!("least squares      fits converged ambiguous boundary doubtful other errors  wrong  ms, full  ms, pieces");
+    let chosen =
+        |kind: &Kind| only.as_ref().is_none_or(|name| format!("{kind:?}").eq_ignore_ascii_case(name));
+    println!(
+        "least squares      fits converged ambiguous boundary doubtful other errors  wrong  ms, full  ms, pieces"
+    );
     for kind in KINDS.into_iter().filter(chosen) {
         pieces(kind, seeds);
     }
@@ -90,7 +93,9 @@ fn pieces(kind: Kind, seeds: u64) {
         for turn in angles {
             for across in angles {
                 // One angle alone describes what has no second direction.
-                if matches!(kind, Kind::Line | Kind::Circle | Kind::CircleInSpace | Kind::Sphere) && across != 360.0 {
+                if matches!(kind, Kind::Line | Kind::Circle | Kind::CircleInSpace | Kind::Sphere)
+                    && across != 360.0
+                {
                     continue;
                 }
                 for noise in [0.0, 1e-4, 1e-2] {

@@ -131,7 +131,8 @@ pub(crate) fn scene(kind: Kind, piece: Piece, seed: u64) -> Scene {
     let (low, high) = points.iter().fold((points[0], points[0]), |(l, h), p| (l.inf(p), h.sup(p)));
     let size = 0.5 * (high - low).amax();
     for _ in 0..outside {
-        let off = Vector3::new(random.between(-1.0, 1.0), random.between(-1.0, 1.0), random.between(-1.0, 1.0));
+        let off =
+            Vector3::new(random.between(-1.0, 1.0), random.between(-1.0, 1.0), random.between(-1.0, 1.0));
         let off = if kind == Kind::Circle { off.xy().push(0.0) } else { off };
         points.push(0.5 * (low + high) + off * (1.2 * size));
     }
@@ -142,6 +143,7 @@ pub(crate) fn scene(kind: Kind, piece: Piece, seed: u64) -> Scene {
         Kind::Cone => [0.0, slope],
         _ => [1.0, 0.0],
     };
-    let (point, axis) = if kind == Kind::Circle { (Vector3::zeros(), Vector3::z()) } else { (place, turn * Vector3::z()) };
+    let (point, axis) =
+        if kind == Kind::Circle { (Vector3::zeros(), Vector3::z()) } else { (place, turn * Vector3::z()) };
     Scene { shape: Shape { kind, point, axis, sizes }, points, inliers, size }
 }

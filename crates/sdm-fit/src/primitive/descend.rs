@@ -106,8 +106,7 @@ pub(super) fn descend<const D: usize, M: Model<D>>(
     steps: usize,
     inside: bool,
 ) -> Trial<M> {
-    let cost_of =
-        |model: &M| points.iter().map(|x| worth.of(model.distance_sq(x)).0).sum::<f64>();
+    let cost_of = |model: &M| points.iter().map(|x| worth.of(model.distance_sq(x)).0).sum::<f64>();
     let mut trial = Trial { cost: cost_of(&model), model, settled: false };
     let short = settled * (points.len() as f64).sqrt();
     let mut damping = 1e-3;

@@ -116,7 +116,7 @@ pub(super) fn fit<const D: usize, M: Model<D>>(
     let redundancy = |used: &[usize]| (cloud.different(used) * M::ROWS).saturating_sub(M::UNKNOWNS);
     let limit = options.max_iterations;
     let mut outcome = if let Some(rule) = rule {
-        let found = robust::<D, M>(&cloud.points, rule, limit).ok_or_else(|| degenerate.clone())?;
+        let found = robust::<D, M>(&cloud.points, rule, rounding, limit).ok_or_else(|| degenerate.clone())?;
         let (mut minimum, used) = (found.minimum, found.used);
         if minimum.status == PrimitiveStatus::Converged
             && !is_apart(&minimum.model, &cloud.points, &used, rule)
@@ -127,7 +127,8 @@ pub(super) fn fit<const D: usize, M: Model<D>>(
         Outcome { minimum, worth, used, solutions: 1, starts, miss }
     } else {
         let exact = redundancy(&everything) == 0;
-        let found = least_squares::<D, M>(&cloud.points, floor, exact, limit).ok_or_else(|| degenerate.clone())?;
+        let found =
+            least_squares::<D, M>(&cloud.points, floor, exact, limit).ok_or_else(|| degenerate.clone())?;
         let mut minimum = found.minimum;
         if found.beyond {
             minimum.status = PrimitiveStatus::OnBoundary;

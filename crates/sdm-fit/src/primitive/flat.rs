@@ -1,9 +1,9 @@
 //! Lines and planes.
 
 use super::elements::{Elements, upright};
+use super::model::{Model, Row, Step, normal_to, orthonormal};
 use super::random::Random;
 use super::start;
-use super::model::{Model, Row, Step, normal_to, orthonormal};
 use nalgebra::{SVector, Vector3};
 
 /// A line in the plane or in space.
@@ -99,7 +99,8 @@ impl<const D: usize> Model<D> for LineModel<D> {
     fn outside(&self) -> f64 {
         // On the left of the direction that is reported.
         let direction = upright(self.direction);
-        let left = if D == 2 { direction[0] * self.normals[0][1] - direction[1] * self.normals[0][0] } else { 1.0 };
+        let left =
+            if D == 2 { direction[0] * self.normals[0][1] - direction[1] * self.normals[0][0] } else { 1.0 };
         left.signum()
     }
 }

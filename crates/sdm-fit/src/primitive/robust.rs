@@ -35,8 +35,12 @@ const PER_MEDIAN: f64 = 1.482_602_218_505_602;
 /// Where Tukey's biweight ends, in `σ`.
 pub(super) const TUKEY: f64 = 4.685;
 
-/// The least scale, in units of the cloud: what rounding leaves of points on the shape.
+/// The least scale, in units of the cloud and of the rounding of its coordinates: well above what is left of points on a shape.
 const LEAST: f64 = 1e-12;
+const ROUNDED: f64 = 1e3;
+
+/// Share of the scale up to which distances have a weight of 1, and are least squares.
+const WHOLE: f64 = 0.01;
 
 /// What is assumed about outliers, in the frame of the cloud.
 #[derive(Clone, Copy, Debug)]
@@ -100,6 +104,7 @@ fn none_clean(inliers: f64, size: usize, subsets: usize) -> f64 {
 pub(super) fn robust<const D: usize, M: Model<D>>(
     points: &[SVector<f64, D>],
     rule: Rule,
+    rounding: f64,
     limit: usize,
 ) -> Option<Robust<M>> {
     let judges = thinned(points, JUDGES);
@@ -114,7 +119,8 @@ pub(super) fn robust<const D: usize, M: Model<D>>(
     while subsets < MOST && none_clean(share, size, subsets) > UNLIKELY {
         subsets += subsets.div_ceil(8);
     }
-    let exact = |model: M, subset: &[SVector<f64, D>]| descend(model, subset, Worth::Square, 1e-7, 25, false).model;
+    let exact =
+        |model: M, subset: &[SVector<f64, D>]| descend(model, subset, Worth::Square, 1e-7, 25, false).model;
     let drawn = parallel::tasks(subsets, |k| {
         let mut random = Random::new(k as u64 + 1_000_000);
         let subset = random.subset(points, size);
@@ -143,14 +149,15 @@ pub(super) fn robust<const D: usize, M: Model<D>>(
     let best = distinct(improved, &centre, FINAL);
     let ends = parallel::tasks(best.len(), |k| match rule {
         Rule::Trimmed(share) => trimmed(best[k].model.clone(), points, share, limit),
-        Rule::Tukey(scale) => tukey(best[k].model.clone(), points, scale, limit),
+        Rule::Tukey(scale) => tukey(best[k].model.clone(), points, scale, rounding, limit),
     });
-    let (minimum, worth, used) = chosen(ends, points, rule)?;
+    let (minimum, worth, used, _) = chosen(ends, points, rule)?;
     let inliers = used.len() as f64 / points.len() as f64;
     Some(Robust { minimum, worth, used, subsets, miss: none_clean(inliers, size, subsets) })
 }
 
-type End<M> = (Minimum<M>, Worth, Vec<usize>);
+/// A minimum, what distances are worth there, the points that count, and the scale.
+type End<M> = (Minimum<M>, Worth, Vec<usize>, f64);
 
 /// The best of a few ends: proper ones first; those that differ in their own scale are compared in the smallest one.
 fn chosen<const D: usize, M: Model<D>>(
@@ -158,13 +165,11 @@ fn chosen<const D: usize, M: Model<D>>(
     points: &[SVector<f64, D>],
     rule: Rule,
 ) -> Option<End<M>> {
-    let scales = ends.iter().filter_map(|(_, worth, _)| match worth {
-        Worth::Tukey(scale) => Some(*scale),
-        Worth::Square => None,
-    });
-    let scale = scales.fold(f64::INFINITY, f64::min);
+    let scale = ends.iter().map(|end| end.3).fold(f64::INFINITY, f64::min);
     let value = |end: &End<M>| match rule {
-        Rule::Tukey(None) => points.iter().map(|x| Worth::Tukey(scale).of(end.0.model.distance_sq(x)).0).sum(),
+        Rule::Tukey(None) => {
+            points.iter().map(|x| Worth::Tukey(scale).of(end.0.model.distance_sq(x)).0).sum()
+        }
         _ => score(&end.0.model, points, rule),
     };
     let mut valued: Vec<(bool, f64, End<M>)> =
@@ -189,7 +194,7 @@ fn concentrated<const D: usize, M: Model<D>>(
         last = before;
         let next = match rule {
             Rule::Tukey(scale) => {
-                let scale = scale.unwrap_or_else(|| scale_at(&model, points));
+                let scale = scale.unwrap_or_else(|| scale_at(&model, points).max(LEAST));
                 descend(model.clone(), points, Worth::Tukey(scale), 1e-9, 8, false)
             }
             Rule::Trimmed(share) => {
@@ -205,7 +210,7 @@ fn concentrated<const D: usize, M: Model<D>>(
 /// Where Tukey's biweight ends for a model, by the median of the distances.
 fn scale_at<const D: usize, M: Model<D>>(model: &M, points: &[SVector<f64, D>]) -> f64 {
     let squares = squares(model, points);
-    (TUKEY * PER_MEDIAN * squares[kept(squares.len(), 0.5) - 1].sqrt()).max(LEAST)
+    TUKEY * PER_MEDIAN * squares[kept(squares.len(), 0.5) - 1].sqrt()
 }
 
 /// Indices of the given share of points, the nearest ones, in ascending order.
@@ -242,7 +247,7 @@ fn trimmed<const D: usize, M: Model<D>>(
         minimum = fit(minimum.model, &indices);
         minimum.iterations += before;
     }
-    (minimum, Worth::Square, indices)
+    (minimum, Worth::Square, indices, 0.0)
 }
 
 /// Tukey's biweight, its scale found together with the shape unless it is given.
@@ -250,9 +255,11 @@ fn tukey<const D: usize, M: Model<D>>(
     start: M,
     points: &[SVector<f64, D>],
     scale: Option<f64>,
+    rounding: f64,
     limit: usize,
 ) -> End<M> {
-    let at = |model: &M| scale.unwrap_or_else(|| scale_at(model, points));
+    let least = LEAST.max(ROUNDED * rounding);
+    let at = |model: &M| scale.unwrap_or_else(|| scale_at(model, points).max(least));
     let mut current = at(&start);
     let mut minimum = minimise(start, points, Worth::Tukey(current), limit);
     for _ in 0..ROUNDS {
@@ -267,6 +274,28 @@ fn tukey<const D: usize, M: Model<D>>(
     }
     let worth = Worth::Tukey(current);
     let counts = |x: &SVector<f64, D>| worth.counts(minimum.model.distance_sq(x));
-    let used = (0..points.len()).filter(|&i| counts(&points[i])).collect();
-    (minimum, worth, used)
+    let used: Vec<usize> = (0..points.len()).filter(|&i| counts(&points[i])).collect();
+    // Points on the shape up to rounding: the scale is too small for differences of gradients.
+    let places: Vec<_> = used.iter().map(|&i| points[i]).collect();
+    let whole = |x: &SVector<f64, D>| minimum.model.distance_sq(x).sqrt() <= WHOLE * current;
+    if places.len() >= M::UNKNOWNS.div_ceil(M::ROWS) && places.iter().all(whole) {
+        let mut finished = minimise(minimum.model, &places, Worth::Square, limit);
+        finished.iterations += minimum.iterations;
+        return (finished, Worth::Square, used, current);
+    }
+    (minimum, worth, used, current)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn chances_by_hand() {
+        // Three pairs, half the points are outliers: none is clean with probability (3/4)³.
+        assert!((none_clean(0.5, 2, 3) - 0.421_875).abs() < 1e-15);
+        assert!(none_clean(1.0, 7, 1).abs() < 1e-15);
+        assert!((none_clean(0.0, 7, 10) - 1.0).abs() < 1e-15);
+        assert_eq!((kept(10, 0.25), kept(3, 0.0), kept(3, 1.0)), (3, 1, 3));
+    }
 }

@@ -1,9 +1,9 @@
 //! Circles and spheres.
 
 use super::elements::{Elements, upright};
+use super::model::{Model, Pose, Row, Step, orthonormal, turning};
 use super::random::Random;
 use super::start;
-use super::model::{Model, Pose, Row, Step, orthonormal, turning};
 use nalgebra::{SVector, Vector3};
 
 /// A circle in the plane or a sphere in space.

@@ -146,24 +146,31 @@ pub(super) fn least_squares<const D: usize, M: Model<D>>(
     // Descents on the sample end before the last digits.
     let worst = 4.0 * trials.first()?.cost + sample.len() as f64 * NEAR_ZERO;
     // Proper shapes first among equals would hide better ones: of both kinds the lowest are refined.
-    let (proper, other): (Vec<_>, Vec<_>) =
-        trials.into_iter().partition(|t| t.model.is_proper());
+    let (proper, other): (Vec<_>, Vec<_>) = trials.into_iter().partition(|t| t.model.is_proper());
     let count = if exact { 3 * REFINED } else { REFINED };
     let mut few = distinct(proper, &centre, count);
     few.extend(distinct(other, &centre, REFINED));
     few.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     if points.len() > MIDDLE {
         let middle = thinned(points, MIDDLE);
-        let near: Vec<_> = few.into_iter().enumerate().filter(|(k, t)| *k == 0 || t.cost <= worst).collect();
-        let mut better =
-            parallel::tasks(near.len(), |k| descend(near[k].1.model.clone(), &middle, Worth::Square, 1e-7, STEPS, false));
+        let near: Vec<_> = few.iter().enumerate().filter(|(k, t)| *k == 0 || t.cost <= worst).collect();
+        let mut better = parallel::tasks(near.len(), |k| {
+            descend(near[k].1.model.clone(), &middle, Worth::Square, 1e-7, STEPS, false)
+        });
         better.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-        few = distinct(better, &centre, FINAL);
+        better = distinct(better, &centre, FINAL);
+        if !better.iter().any(|t| t.model.is_proper()) {
+            better.extend(few.into_iter().find(|t| t.model.is_proper()));
+        }
+        few = better;
     } else {
-        let keeps = |(k, t): (usize, Trial<M>)| (k == 0 || t.cost <= worst).then_some(t);
+        // The best proper one in any case.
+        let first = few.iter().position(|t| t.model.is_proper()).unwrap_or(0);
+        let keeps = |(k, t): (usize, Trial<M>)| (k == 0 || k == first || t.cost <= worst).then_some(t);
         few = few.into_iter().enumerate().filter_map(keeps).collect();
     }
-    let mut ends = parallel::tasks(few.len(), |k| minimise(few[k].model.clone(), points, Worth::Square, limit));
+    let mut ends =
+        parallel::tasks(few.len(), |k| minimise(few[k].model.clone(), points, Worth::Square, limit));
     ends.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     let bound = |cost: f64, share: f64| cost * (1.0 + share) + floor;
     let lowest = ends.first()?.cost;
@@ -171,18 +178,17 @@ pub(super) fn least_squares<const D: usize, M: Model<D>>(
         // Nothing is below 0.
         miss = 0.0;
     }
+    // One that left the proper shapes on its way is brought back.
     let proper: Vec<_> = ends.iter().filter(|m| m.model.is_proper()).collect();
     let Some(least) = proper.first() else {
-        let minimum = at_the_boundary(&ends, points)?;
+        let minimum =
+            at_the_boundary(ends.iter().map(|m| &m.model).chain(few.iter().map(|t| &t.model)), points)?;
         return Some(Lowest { minimum, solutions: 1, starts, miss, beyond: true });
     };
     // Among equals one that converged.
     let equal = |m: &&&Minimum<M>| m.cost <= bound(least.cost, 1e-9);
-    let chosen = proper
-        .iter()
-        .filter(equal)
-        .find(|m| m.status == PrimitiveStatus::Converged)
-        .unwrap_or(least);
+    let chosen =
+        proper.iter().filter(equal).find(|m| m.status == PrimitiveStatus::Converged).unwrap_or(least);
     let mut shapes: Vec<Elements<D>> = Vec::new();
     for other in proper.iter().filter(|m| m.cost <= bound(least.cost, EQUAL)) {
         let elements = other.model.elements(&centre);
@@ -195,11 +201,11 @@ pub(super) fn least_squares<const D: usize, M: Model<D>>(
 }
 
 /// The best proper shape near ones that are not.
-fn at_the_boundary<const D: usize, M: Model<D>>(
-    ends: &[Minimum<M>],
+fn at_the_boundary<'a, const D: usize, M: Model<D> + 'a>(
+    models: impl Iterator<Item = &'a M>,
     points: &[SVector<f64, D>],
 ) -> Option<Minimum<M>> {
-    let near = ends.iter().filter_map(|m| m.model.clone().made_proper());
+    let near = models.filter_map(|model| model.clone().made_proper());
     let trials = near.map(|model| descend(model, points, Worth::Square, 1e-9, STEPS, true));
     let best = trials.filter(|t| t.cost.is_finite()).min_by(|a, b| a.cost.total_cmp(&b.cost))?;
     Some(Minimum {

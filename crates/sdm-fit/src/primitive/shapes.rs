@@ -1,8 +1,8 @@
 //! The public functions, one for each shape.
 
+use super::PrimitiveOptions;
 use super::elements::PrimitiveFit;
 use super::fit::{Found, fit};
-use super::PrimitiveOptions;
 use super::flat::{LineModel, PlaneModel};
 use super::round::{BallModel, CircleModel};
 use super::torus::TorusModel;
@@ -142,7 +142,8 @@ pub fn fit_torus(
 ) -> Result<PrimitiveFit<Torus, 3>, Error> {
     let found = fit::<_, TorusModel>(points, options, "a torus", 3)?;
     let elements = found.fit.elements;
-    let (Some(z), Some(major), Some(minor)) = (elements.direction, elements.radius, elements.minor_radius) else {
+    let (Some(z), Some(major), Some(minor)) = (elements.direction, elements.radius, elements.minor_radius)
+    else {
         return Err(Error::Degenerate { shape: "a torus", what: "on a plane" });
     };
     let torus = Torus::new(Frame::from_axis(elements.location, z)?, major, minor)?;

@@ -2,8 +2,8 @@
 
 use super::flat::{LineModel, PlaneModel};
 pub(crate) use super::model::normal_to;
-use super::round::{BallModel, CircleModel};
 use super::random::Random;
+use super::round::{BallModel, CircleModel};
 use super::torus::TorusModel;
 use super::turned::ConeModel;
 use mesh_core::{NormalOptions, Orientation, estimate_normals};
@@ -229,7 +229,8 @@ pub(super) fn cones<const CONE: bool>(points: &[Vector3<f64>]) -> Vec<ConeModel<
     let mut found = best(models, 10);
     if CONE {
         // A slender cone is found from a cylinder.
-        let straight = |z| cones_along::<false>(&judges, z).into_iter().map(|m| (cost_of(&m, &judges), *z, m));
+        let straight =
+            |z| cones_along::<false>(&judges, z).into_iter().map(|m| (cost_of(&m, &judges), *z, m));
         let cylinders = best(list.iter().flat_map(straight).collect(), 10).into_iter().take(3);
         found.extend(
             cylinders.filter_map(|c| ConeModel::new(c.pose.point, c.pose.z, 1.0 / c.curvature, 0.01)),

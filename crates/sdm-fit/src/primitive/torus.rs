@@ -220,3 +220,83 @@ impl Model<3> for TorusModel {
         self.tube.signum()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn models() -> Vec<TorusModel> {
+        let mut random = Random::new(3);
+        let anywhere = (0..40).filter_map(|_| TorusModel::anywhere(&(random.direction() * 0.7), &mut random));
+        let mut models: Vec<_> =
+            anywhere.filter(|m| m.tube.abs() < 20.0 && m.ring[0].hypot(m.ring[1]) < 20.0).collect();
+        models.extend(TorusModel::new(Vector3::new(0.1, -0.2, 0.3), Vector3::new(1.0, 2.0, 2.0), 0.8, 0.3));
+        models
+    }
+
+    #[test]
+    fn distances_are_those_of_the_torus() {
+        // A full ring about a skew axis, and a piece: the pivot is on the outermost circle, or near the origin.
+        let z = Vector3::new(1.0, 2.0, 2.0) / 3.0;
+        for centre in [Vector3::zeros(), Vector3::new(0.7, -0.4, 0.3)] {
+            let model = TorusModel::new(centre, z, 0.8, 0.3).unwrap();
+            let mut random = Random::new(1);
+            for _ in 0..100 {
+                let x = random.direction() * (2.0 * random.centred());
+                let d = x - centre;
+                let height = d.dot(&z);
+                let expected = ((d - z * height).norm() - 0.8).hypot(height) - 0.3;
+                assert!((model.residuals(&x)[0] - expected).abs() < 1e-14, "{x:?}");
+            }
+            let elements = model.elements(&centre);
+            assert!((elements.location - centre).norm() < 1e-14);
+            assert!((elements.radius.unwrap() - 0.8).abs() < 1e-14);
+            assert!((elements.minor_radius.unwrap() - 0.3).abs() < 1e-14);
+            assert!((elements.direction.unwrap() - z).norm() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn slopes_are_differences() {
+        let mut random = Random::new(2);
+        let mut compared = 0;
+        for model in models() {
+            for _ in 0..10 {
+                let x = random.direction() * (1.5 * random.centred());
+                let place = model.place(&x);
+                // Near the axis and the middle of the tube the distance is not smooth.
+                if place.s < 0.2 || place.t < 0.2 {
+                    continue;
+                }
+                let row = model.rows(&x)[0];
+                for k in 0..7 {
+                    let at = |h: f64| {
+                        let mut step = [0.0; 7];
+                        step[k] = h;
+                        model.moved(&step).unwrap().residuals(&x)[0]
+                    };
+                    let expected = (at(1e-5) - at(-1e-5)) / 2e-5;
+                    let off = (row.slopes[k] - expected).abs();
+                    assert!(off < 1e-6 * (1.0 + expected.abs()), "{k}: {} for {expected}", row.slopes[k]);
+                    compared += 1;
+                }
+            }
+        }
+        assert!(compared > 500, "{compared}");
+    }
+
+    #[test]
+    fn only_rings_are_proper() {
+        let torus =
+            |major, minor| TorusModel::new(Vector3::new(0.2, 0.0, 0.0), Vector3::z(), major, minor).unwrap();
+        assert!(torus(1.0, 0.99).is_proper());
+        let spindle = torus(0.8, 1.0);
+        assert!(!spindle.is_proper());
+        let ring = spindle.made_proper().unwrap();
+        let (.., major, minor) = ring.sizes();
+        assert!(major > minor && (minor - 1.0).abs() < 1e-12 && major < 1.001);
+        let mut cylinder = torus(1.0, 0.5);
+        cylinder.ring = [0.0, 0.0];
+        assert!(!cylinder.is_proper());
+    }
+}

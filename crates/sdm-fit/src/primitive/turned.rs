@@ -1,9 +1,9 @@
 //! Cylinders and cones.
 
 use super::elements::{Elements, upright};
+use super::model::{Model, Pose, Row, Step, turning};
 use super::random::Random;
 use super::start;
-use super::model::{Model, Pose, Row, Step, turning};
 use nalgebra::Vector3;
 use std::f64::consts::FRAC_PI_2;
 
