@@ -2,7 +2,7 @@
 
 use super::Progress;
 use super::all_feet::{self, CurveFeet};
-use super::batch::{self, Batch};
+use super::batch::{self, Batch, Queries};
 use crate::global::gap::Gap;
 use crate::global::piece::PieceSet;
 use crate::global::search_curve::{CurveFoot, CurveScratch};
@@ -151,6 +151,23 @@ impl<const D: usize> CurveProjector<D> {
         progress: Progress<'_>,
     ) -> Vec<CurveFootpoint<D>> {
         with_set!(&self.set, set => batch::run(&CurveQuery::new(set, options), points, progress))
+    }
+
+    /// As [`project_many`](Self::project_many) for the points `at(0)`, …, `at(count − 1)`, without holding all footpoints at
+    /// once; see [`SurfaceProjector::project_each`](crate::SurfaceProjector::project_each).
+    pub fn project_each<T: Send>(
+        &self,
+        count: usize,
+        at: &(dyn Fn(usize) -> SVector<f64, D> + Sync),
+        options: &ProjectionOptions,
+        progress: Progress<'_>,
+        treat: &(dyn Fn(usize, &CurveFootpoint<D>) -> T + Sync),
+        receive: &mut dyn FnMut(&[(usize, T)]),
+    ) {
+        let queries = Queries { count, at };
+        with_set!(&self.set, set => {
+            batch::each(&CurveQuery::new(set, options), &queries, progress, treat, receive);
+        });
     }
 
     /// All local minima of the distance that are at most `factor` (at least 1) times as far as the nearest point.

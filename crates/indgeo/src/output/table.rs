@@ -108,7 +108,7 @@ pub(crate) struct Table<'a> {
 }
 
 /// The statuses in the order of their numbers in binary files.
-const STATUSES: [Status; 7] = [
+const STATUSES: [Status; 9] = [
     Status::Converged,
     Status::OnBoundary,
     Status::Stalled,
@@ -116,6 +116,8 @@ const STATUSES: [Status; 7] = [
     Status::Diverged,
     Status::Cancelled,
     Status::InvalidPoint,
+    Status::NoMatchingFoot,
+    Status::NoNormal,
 ];
 
 /// The number of a status in the file; 255 for one that is not listed.
