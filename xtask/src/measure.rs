@@ -174,6 +174,17 @@ const MEASUREMENTS: &[Measurement] = &[
         one_thread: false,
     },
     Measurement {
+        name: "inspection-memory",
+        title: "Memory of an inspection",
+        about: "The largest resident memory of `indgeo inspect` on ten million generated points, in binary PLY with three doubles a point, \
+                which are read into memory. Wanted: at most 100 bytes a point, with and without files.",
+        package: "indgeo",
+        features: "",
+        example: "inspection_memory",
+        arguments: &["10000000"],
+        one_thread: false,
+    },
+    Measurement {
         name: "subdivision",
         title: "Fits of Loop subdivision surfaces",
         about: "A body from a coarse control mesh: point, tangent and squared distance minimisation, distances after each iteration as \

@@ -24,6 +24,10 @@ pub enum Status {
     Cancelled,
     /// The point has a coordinate that is not finite; nothing was computed.
     InvalidPoint,
+    /// No foot of the point has a normal that agrees with the direction given ([`Facing`](crate::Facing)).
+    NoMatchingFoot,
+    /// The point has no normal, though only feet count whose normals agree with it; nothing was computed.
+    NoNormal,
 }
 
 impl Status {
@@ -45,6 +49,8 @@ impl Status {
             Self::Diverged => "diverged",
             Self::Cancelled => "cancelled",
             Self::InvalidPoint => "invalid_point",
+            Self::NoMatchingFoot => "no_matching_foot",
+            Self::NoNormal => "no_normal",
         }
     }
 }

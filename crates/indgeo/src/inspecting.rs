@@ -10,9 +10,10 @@ use crate::report::{Input, ModelSummary, Options, Output, Report, Results, Timin
 use crate::transform::Transform;
 use industrial_geometry::inspection::html::{self, Page};
 use industrial_geometry::inspection::{
-    self, Along, Deviation, Inspection, InspectionOptions, Nominal, Partial,
+    self, Along, Deviation, DeviationRecord, Inspection, InspectionOptions, Nominal, Outcome, Partial,
 };
 use industrial_geometry::io::AtomicFile;
+use std::f64::consts::FRAC_PI_2;
 use std::io::BufWriter;
 use std::path::Path;
 
@@ -64,14 +65,12 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Inspection, Erro
     report.inputs.push(Input::new("points", job.points, &points.report));
     let measured = measured(&loaded.model);
     if measured == Measured::Profile {
-        points.in_plane(job.points)?;
+        points.check_plane(job.points)?;
     } else {
-        points.in_space(job.points)?;
+        points.check_space(job.points)?;
     }
-    if job.options.along == Along::Normal && points.normals.is_none() {
-        let advice = "use --along shortest, or a file with normals (nx, ny, nz)";
-        return Err(Error::content(job.points, "the points have no normals", advice));
-    }
+    let mut options = job.options;
+    check_normals(job, &mut points)?;
     report.timings = timings;
     warn(report, job, &loaded, &points);
     if let Some(transform) = &transform {
@@ -89,6 +88,9 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Inspection, Erro
     }
 
     let nominal = Timings::measure(&mut timings.build, || build(loaded, job, report))?;
+    if options.along == Along::Normal && options.max_angle.is_none() && nominal.is_signed() {
+        options = options.with_max_angle(FRAC_PI_2);
+    }
     report.model = Some(ModelSummary {
         kind: if measured == Measured::Mesh { "mesh" } else { "nurbs" },
         dimension: if measured == Measured::Profile { 2 } else { 3 },
@@ -103,22 +105,79 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Inspection, Erro
         transform: transform.map(|transform| transform.rows()),
     });
     let progress = Progress::new("measuring", job.quiet);
+    // Deviations are kept only for files, and without what can be computed again: clouds are large.
+    let kept = if job.out.is_some() || job.page.is_some() { points.positions.len() } else { 0 };
     let found = Timings::measure(&mut timings.compute, || -> Result<_, inspection::Error> {
         let tell = |done: usize, total: usize| progress.report(done, total);
-        let deviations =
-            nominal.measure(&points.positions, points.normals.as_deref(), &job.options, &tell)?;
-        let mut partial = Partial::new(&job.options)?;
-        partial.extend(0, &points.positions, &deviations);
-        Ok((partial.finish(&job.options, nominal.shapes())?, deviations))
+        let mut records = vec![DeviationRecord::none(Outcome::Cancelled); kept];
+        let mut partial = Partial::new(&options)?;
+        let mut receive = |measured: &[(usize, Deviation)]| {
+            partial.extend_with(0, &points.positions, measured);
+            for (index, deviation) in measured {
+                if let Some(record) = records.get_mut(*index) {
+                    *record = deviation.into();
+                }
+            }
+        };
+        nominal.measure_each(&points.positions, points.normals.as_deref(), &options, &tell, &mut receive)?;
+        Ok((partial.finish(&options, nominal.shapes())?, records))
     });
-    let (found, deviations) = found.map_err(|error| usage(&error))?;
+    let (found, records) = found.map_err(|error| usage(&error))?;
     drop(progress);
+    warn_of_unproven(report, job, &found);
     report.points_per_second =
         (timings.compute > 0.0).then(|| points.positions.len() as f64 / timings.compute);
     report.timings = timings;
-    write(job, format, &points, &deviations, &found, &nominal, measured, report)?;
+    write(job, format, &points, &records, &found, &nominal, measured, report)?;
     report.results = Some(Results::Inspection(Box::new(found.clone())));
     Ok(found)
+}
+
+/// Makes sure that there are normals where they are needed, and drops them where they are not.
+fn check_normals(job: &Job<'_>, points: &mut Points) -> Result<(), Error> {
+    let angle = job.options.max_angle;
+    if job.options.along != Along::Normal && angle.is_none() {
+        points.normals = None;
+    } else if points.normals.is_none() {
+        let advice = match (job.options.along, angle) {
+            (Along::Normal, _) => "use --along shortest, or a file with normals (nx, ny, nz)",
+            _ => "leave out --max-angle, or give a file with normals (nx, ny, nz)",
+        };
+        return Err(Error::content(job.points, "the points have no normals", advice));
+    }
+    Ok(())
+}
+
+/// Says what a verdict rests on where that is less than a measured deviation per point.
+fn warn_of_unproven(report: &mut Report, job: &Job<'_>, found: &Inspection) {
+    let count = |outcome: Outcome| found.outcomes.get(outcome.name()).copied().unwrap_or(0);
+    let (points, path) = (found.points, job.points.display());
+    let mut warn = |count: u64, text: &str| {
+        if count > 0 {
+            report.warnings.push(format!("{path}: {count} of {points} points {text}"));
+        }
+    };
+    warn(
+        count(Outcome::NoNormal),
+        "have a normal that is zero or not finite (no_normal); they are counted, not judged",
+    );
+    warn(
+        count(Outcome::NoMatchingFoot),
+        "have no foot on the model with a normal that agrees (no_matching_foot); they count as out of tolerance",
+    );
+    warn(
+        count(Outcome::Undecided),
+        "are undecided: what is proven about their deviations reaches across a limit; they count as not within",
+    );
+    warn(count(Outcome::NotConverged), "have no footpoint (not_converged); they count as out of tolerance");
+    let turned = found.restricted + count(Outcome::NoMatchingFoot);
+    if 2 * turned > found.verdict.judged {
+        warn(
+            turned,
+            "have normals that point away from that of the nearest place of the model; turn them if they point inwards, or \
+             give --max-angle 180 if their sides mean nothing",
+        );
+    }
 }
 
 fn check_extension(page: &Path) -> Result<(), Error> {
@@ -201,7 +260,7 @@ fn write(
     job: &Job<'_>,
     format: Option<Format>,
     points: &Points,
-    deviations: &[Deviation],
+    records: &[DeviationRecord],
     found: &Inspection,
     nominal: &Nominal,
     measured: Measured,
@@ -214,14 +273,16 @@ fn write(
         if let (Some(path), Some(format)) = (job.out, format) {
             let table = DeviationTable {
                 points: &points.positions,
-                deviations,
+                normals: points.normals.as_deref(),
+                records,
                 triangles: &points.triangles,
-                tolerance: job.options.tolerance,
+                nominal,
+                options: &found.options,
                 model: measured,
                 coloured: format == Format::Ply,
             };
             let bytes = output::write(path, format, &table)?;
-            let content = format!("{} rows: {}", deviations.len(), table.names().join(","));
+            let content = format!("{} rows: {}", records.len(), table.names().join(","));
             outputs.push(Output { path: path.to_path_buf(), bytes, content });
         }
         if let Some(path) = job.page {
@@ -235,7 +296,7 @@ fn write(
                 program: concat!("indgeo ", env!("CARGO_PKG_VERSION")),
                 inspection: found,
                 points: &points.positions,
-                deviations,
+                records,
                 backdrop: &nominal.backdrop(),
                 alignment,
                 most_points: MOST_POINTS,

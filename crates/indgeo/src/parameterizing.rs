@@ -13,6 +13,7 @@ use industrial_geometry::cloud_param::{
     parameterise_with_progress,
 };
 use industrial_geometry::fit::StepRecord;
+use industrial_geometry::inspection::{Rounding, percent_of_share};
 use industrial_geometry::io::{self, Model, WriteOptions};
 use industrial_geometry::mesh::TriangleMesh;
 use industrial_geometry::nurbs::BsplineSurface;
@@ -264,8 +265,8 @@ fn warn(job: &Job<'_>, found: &ParameteriseReport, report: &mut Report) {
     }
     if found.unsupported > 0.02 {
         report.warnings.push(format!(
-            "{name}: {:.0} % of the base surface lie over holes in the points",
-            100.0 * found.unsupported
+            "{name}: {} of the base surface lie over holes in the points",
+            percent_of_share(found.unsupported, Rounding::Up)
         ));
     }
 }

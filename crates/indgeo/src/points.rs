@@ -42,13 +42,19 @@ impl Points {
             return Err(Error::content(path, what, "export the file again"));
         }
         let is_planar = cloud.dimension() == 2;
-        let (positions, attributes) = cloud.into_parts();
-        let normals = attributes.normals().map(<[_]>::to_vec);
+        let (positions, mut attributes) = cloud.into_parts();
+        let normals = attributes.take_normals();
         Ok(Self { positions, normals, is_planar, triangles, report })
     }
 
     /// The points in the plane, for a model in the plane.
     pub(crate) fn in_plane(&self, path: &Path) -> Result<Vec<Vector2<f64>>, Error> {
+        self.check_plane(path)?;
+        Ok(self.positions.iter().map(|point| point.coords.xy()).collect())
+    }
+
+    /// Makes sure that the points fit a model in the plane.
+    pub(crate) fn check_plane(&self, path: &Path) -> Result<(), Error> {
         let off_plane = self.positions.iter().position(|point| point.z != 0.0);
         if let Some(index) = off_plane.filter(|_| !self.is_planar) {
             let what = format!(
@@ -57,15 +63,21 @@ impl Points {
             );
             return Err(Error::content(path, what, "give points of two columns, x and y, or with z = 0"));
         }
-        Ok(self.positions.iter().map(|point| point.coords.xy()).collect())
+        Ok(())
     }
 
     /// The points in space, for a model in space.
     pub(crate) fn in_space(&self, path: &Path) -> Result<Vec<Vector3<f64>>, Error> {
+        self.check_space(path)?;
+        Ok(self.positions.iter().map(|point| point.coords).collect())
+    }
+
+    /// Makes sure that the points fit a model in space.
+    pub(crate) fn check_space(&self, path: &Path) -> Result<(), Error> {
         if self.is_planar {
             let what = "the model lies in space, but the points have two columns only";
             return Err(Error::content(path, what, "give points of three columns, x, y and z"));
         }
-        Ok(self.positions.iter().map(|point| point.coords).collect())
+        Ok(())
     }
 }

@@ -16,8 +16,9 @@ use industrial_geometry::inspection::Statistics;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Names of the statuses that leave nothing to be wished for; there is no answer for a point that is not finite.
-const GOOD: [&str; 3] = ["converged", "on_boundary", "invalid_point"];
+/// Names of the statuses that leave nothing to be wished for; there is no answer for a point that is not finite, or lacks
+/// the normal that is to agree.
+const GOOD: [&str; 4] = ["converged", "on_boundary", "invalid_point", "no_normal"];
 
 /// What is to be done.
 #[derive(Debug)]
@@ -30,6 +31,8 @@ pub(crate) struct Job<'a> {
     pub(crate) out: &'a Path,
     /// Options of the library.
     pub(crate) options: ProjectionOptions,
+    /// Largest angle, in radians, between the normals of points and feet.
+    pub(crate) max_angle: Option<f64>,
     /// The mode, by its name on the command line.
     pub(crate) mode: SearchMode,
     /// Whether points that are not finite are left out.
@@ -60,13 +63,22 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Projected, Error
     let mut timings = Timings::default();
     let loaded = Timings::measure(&mut timings.read, || Loaded::read(job.model))?;
     report.inputs.push(Input::new("model", job.model, &loaded.report));
-    let points = Timings::measure(&mut timings.read, || Points::read(job.points, job.drop_non_finite))?;
+    let mut points = Timings::measure(&mut timings.read, || Points::read(job.points, job.drop_non_finite))?;
+    if job.max_angle.is_none() {
+        points.normals = None;
+    } else if points.normals.is_none() {
+        let advice = "leave out --max-angle, or give a file with normals (nx, ny, nz)";
+        return Err(Error::content(job.points, "the points have no normals", advice));
+    }
     report.inputs.push(Input::new("points", job.points, &points.report));
     report.timings = timings;
     warn(report, job, &loaded, &points);
 
     let shapes = loaded.shapes;
     let target = Timings::measure(&mut timings.build, || Target::build(loaded.model, job.model))?;
+    if job.max_angle.is_some() {
+        target.check_normals(job.model)?;
+    }
     let layout = Layout::of(&target, shapes.len());
     report.model = Some(summarise(&target, shapes.len()));
     report.options = Some(Options {
@@ -77,7 +89,8 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Projected, Error
     });
     let progress = Progress::new("projecting", job.quiet);
     let feet = Timings::measure(&mut timings.compute, || {
-        target.project(&points, job.points, &job.options, &|done, total| progress.report(done, total))
+        let tell = |done: usize, total: usize| progress.report(done, total);
+        target.project(&points, job.points, &job.options, job.max_angle, &tell)
     })?;
     drop(progress);
     report.points_per_second = (timings.compute > 0.0).then(|| feet.len() as f64 / timings.compute);
@@ -99,6 +112,13 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Projected, Error
     if failed > 0 {
         report.warnings.push(format!(
             "{failed} of {} points did not converge; their rows say how they ended (exit status 1)",
+            results.points
+        ));
+    }
+    if let Some(count) = results.status.get("no_normal") {
+        report.warnings.push(format!(
+            "{}: {count} of {} points have a normal that is zero or not finite (no_normal); they are not projected",
+            job.points.display(),
             results.points
         ));
     }

@@ -12,7 +12,7 @@ use crate::report::{Input, ModelSummary, Output, Report, Results, Timings};
 use industrial_geometry::io::{self, AtomicFile, Content, ReadOptions, WriteOptions};
 use industrial_geometry::mesh::nalgebra::Vector3;
 use industrial_geometry::register::start::{OrientedPoints, StartOptions, coarse_start};
-use industrial_geometry::register::{Pose, RegisterOptions, RegisterReport, StepRecord};
+use industrial_geometry::register::{Pose, RegisterOptions, RegisterReport, Rejection, Source, StepRecord};
 use std::io::Write;
 use std::path::Path;
 use std::time::Instant;
@@ -54,6 +54,8 @@ pub(crate) struct Job<'a> {
     pub(crate) start: Start<'a>,
     /// Options of the library.
     pub(crate) options: RegisterOptions<3>,
+    /// Largest angle, in radians, between the normals of points and feet that count.
+    pub(crate) max_angle: Option<f64>,
     /// Whether the method makes no sense without normals of the points.
     pub(crate) needs_normals: bool,
     /// Whether nobody wants to watch.
@@ -64,6 +66,8 @@ pub(crate) struct Job<'a> {
 struct Cloud<'a> {
     positions: Vec<Vector3<f64>>,
     normals: Option<&'a [Vector3<f64>]>,
+    /// 0 for points that do not count because they have no normal; `None` where all count.
+    weights: Option<Vec<f64>>,
 }
 
 /// Does the job and fills in the report; returns whether the result converged.
@@ -88,6 +92,16 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
         return Err(Error::usage("a lock of tz, rx or ry has no effect in the plane", "lock tx, ty or rz"));
     }
     let cloud = cloud(&content, job, is_planar)?;
+    if job.max_angle.is_some() {
+        model.check_normals(job.model)?;
+        let ignored = cloud.weights.iter().flatten().filter(|weight| **weight == 0.0).count();
+        if ignored > 0 {
+            report.warnings.push(format!(
+                "{}: {ignored} points have a normal that is zero or not finite; they are moved, but do not count",
+                job.points.display()
+            ));
+        }
+    }
     let field = Timings::measure(&mut timings.build, || model.field(job.model))?;
     report.model = Some(ModelSummary {
         kind: model.kind(),
@@ -150,7 +164,19 @@ fn cloud<'a>(content: &'a Content, job: &Job<'_>, is_planar: bool) -> Result<Clo
         let what = "the points have no normals, which --method symmetric needs";
         return Err(Error::content(job.points, what, "choose another method, or a file with normals"));
     }
-    Ok(Cloud { positions: cloud.positions().iter().map(|point| point.coords).collect(), normals })
+    if job.max_angle.is_some() && normals.is_none() {
+        let what = "the points have no normals, which --max-angle needs";
+        return Err(Error::content(
+            job.points,
+            what,
+            "leave it out, or give a file with normals (nx, ny, nz)",
+        ));
+    }
+    let is_usable = |normal: &Vector3<f64>| normal.iter().all(|c| c.is_finite()) && normal.amax() > 0.0;
+    let weights = normals.filter(|normals| job.max_angle.is_some() && !normals.iter().all(is_usable));
+    let weights = weights.map(|normals| normals.iter().map(|n| f64::from(u8::from(is_usable(n)))).collect());
+    let positions = cloud.positions().iter().map(|point| point.coords).collect();
+    Ok(Cloud { positions, normals, weights })
 }
 
 /// Registers from every start.
@@ -218,8 +244,15 @@ fn register(
     progress: &Progress,
 ) -> Result<RegisterReport<3>, Error> {
     let tell = |_: &StepRecord| progress.tick();
+    let mut options = job.options;
+    if let Some(angle) = job.max_angle {
+        options.rejection =
+            Rejection { oriented_normals: true, ..options.rejection.with_normal_angle(angle) };
+    }
+    let source =
+        Source { points: &cloud.positions, normals: cloud.normals, weights: cloud.weights.as_deref() };
     field
-        .register(&cloud.positions, cloud.normals, start, &job.options, &tell)
+        .register(&source, start, &options, &tell)
         .map_err(|error| Error::content(job.points, error.to_string(), "check it with `indgeo info`"))
 }
 

@@ -5,7 +5,7 @@ use crate::files;
 use crate::registration_field::RegistrationField;
 use industrial_geometry::distance_field::{CloudField, CurveField, DistanceField, MeshField, SurfaceField};
 use industrial_geometry::io::{Content, ReadOptions, ReadReport, Shape};
-use industrial_geometry::mesh::{PointCloud, TriangleMesh};
+use industrial_geometry::mesh::{MeshProjector, PointCloud, TriangleMesh};
 use industrial_geometry::nurbs::{BsplineCurve, BsplineSurface, ParametricSurface};
 use industrial_geometry::register::start::OrientedPoints;
 use std::path::Path;
@@ -127,6 +127,24 @@ impl RegistrationModel {
                 .map(|field| Box::new(field) as _),
         };
         field.map(RegistrationField::Space).map_err(failed)
+    }
+
+    /// Makes sure that the model has normals that tell sides, with which those of points can agree.
+    pub(crate) fn check_normals(&self, path: &Path) -> Result<(), Error> {
+        let what = match self {
+            Self::Surfaces(_) => return Ok(()),
+            Self::Plane(_) | Self::Curves(_) => "the model has curves, which have no normals",
+            Self::Cloud(cloud) if cloud.attributes().normals().is_some() => return Ok(()),
+            Self::Cloud(_) => "the model is a cloud without normals",
+            Self::Mesh(mesh) => match MeshProjector::new(mesh) {
+                Ok(projector) if !projector.topology().is_oriented() => {
+                    "neighbouring triangles disagree on the side of their normals"
+                }
+                // A mesh that cannot be used is refused where its field is built.
+                _ => return Ok(()),
+            },
+        };
+        Err(Error::content(path, what, "leave out --max-angle, or give a model with normals"))
     }
 
     /// Points with normals, spread over the model.

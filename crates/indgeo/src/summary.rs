@@ -9,7 +9,9 @@ use crate::report::{ProjectionResults, Report, Results};
 use crate::views_report::ViewsResults;
 use industrial_geometry::fit::curve::CurveReport;
 use industrial_geometry::fit::{FitReport, Folds};
-use industrial_geometry::inspection::{Inspection, Tolerance};
+use industrial_geometry::inspection::{
+    Inspection, Outcome, Rounding, Tolerance, percent, percent_in_full, percent_of_share,
+};
 use std::fmt::Write;
 
 /// A few lines about a projection or an inspection; empty for other commands.
@@ -76,12 +78,12 @@ fn write_inspection(text: &mut String, report: &Report, found: &Inspection) -> s
     let Tolerance { lower, upper } = found.options.tolerance;
     writeln!(
         text,
-        "{}: {} of {} points within {lower} to {upper} ({:.4} %, at least {:.4} % asked for)",
+        "{}: {} of {} points within {lower} to {upper} ({}, at least {} asked for)",
         if verdict.pass { "PASS" } else { "FAIL" },
         verdict.within,
         verdict.judged,
-        100.0 * verdict.share,
-        100.0 * verdict.min_share
+        percent(verdict.within, verdict.judged, Rounding::Down),
+        percent_in_full(verdict.min_share)
     )?;
     let total = &found.total;
     writeln!(
@@ -89,10 +91,23 @@ fn write_inspection(text: &mut String, report: &Report, found: &Inspection) -> s
         "  points    {} measured: {} within, {} over, {} under",
         total.count, total.within, total.over, total.under
     )?;
-    let unused = found.outcomes.iter().filter(|(name, count)| **name != "measured" && **count > 0);
-    let unused: Vec<String> = unused.map(|(name, count)| format!("{count} {name}")).collect();
-    if !unused.is_empty() {
-        writeln!(text, "  not used  {}", unused.join(", "))?;
+    let listed = |judged: bool| {
+        let chosen = Outcome::ALL.iter().filter(|o| **o != Outcome::Measured && o.is_judged() == judged);
+        let counts = chosen.map(|outcome| (outcome.name(), found.outcomes.get(outcome.name())));
+        let counts = counts.filter_map(|(name, count)| Some((name, count.filter(|count| **count > 0)?)));
+        counts.map(|(name, count)| format!("{count} {name}")).collect::<Vec<String>>().join(", ")
+    };
+    for (label, counts) in [("not within", listed(true)), ("not used ", listed(false))] {
+        if !counts.is_empty() {
+            writeln!(text, "  {label} {counts}")?;
+        }
+    }
+    if found.restricted > 0 {
+        writeln!(
+            text,
+            "  normals   {} points are measured on a face that is not the nearest",
+            found.restricted
+        )?;
     }
     if let Some(distance) = &total.distance {
         let [min, max, mean] = [distance.min, distance.max, distance.mean].map(plain);
@@ -128,11 +143,11 @@ fn write_registration(text: &mut String, report: &Report, found: &RegistrationRe
     let chosen = &found.starts[found.best_start];
     writeln!(
         text,
-        "  start     {} of {} ({}), {:.1} % of the points near the model",
+        "  start     {} of {} ({}), {} of the points near the model",
         found.best_start + 1,
         found.starts.len(),
         chosen.origin,
-        100.0 * chosen.share_near
+        percent_of_share(chosen.share_near, Rounding::Down)
     )?;
     write_end(text, report)
 }
@@ -160,14 +175,14 @@ fn write_views(text: &mut String, report: &Report, found: &ViewsResults) -> std:
         let [i, j] = pair.views;
         writeln!(
             text,
-            "  pair      {} - {}: rms {} (before {}), {} points, overlap {:.0} % and {:.0} %",
+            "  pair      {} - {}: rms {} (before {}), {} points, overlap {} and {}",
             name(i),
             name(j),
             plain(pair.rms_after),
             plain(pair.rms_before),
             pair.count,
-            100.0 * pair.overlap[0],
-            100.0 * pair.overlap[1]
+            percent_of_share(pair.overlap[0], Rounding::Down),
+            percent_of_share(pair.overlap[1], Rounding::Down)
         )?;
     }
     if found.components.len() > 1 {
@@ -198,7 +213,8 @@ fn write_curve(text: &mut String, report: &Report, found: &CurveReport) -> std::
     )?;
     if let (Some(share), Some(reached)) = (found.share_within, found.reached) {
         let verdict = if reached { "reached" } else { "NOT reached" };
-        writeln!(text, "  tolerance {verdict}: {:.4} % of the points within", 100.0 * share)?;
+        let share = percent_of_share(share, Rounding::Down);
+        writeln!(text, "  tolerance {verdict}: {share} of the points within")?;
     }
     if !found.crossings.is_empty() {
         writeln!(text, "  crossings {} (the curve crosses itself)", found.crossings.len())?;
@@ -240,10 +256,10 @@ fn write_parameters(text: &mut String, report: &Report, results: &ParameterResul
     )?;
     writeln!(
         text,
-        "  surface   {} self-loops, {} crossovers; {:.1} % of the points have one closest point only",
+        "  surface   {} self-loops, {} crossovers; {} of the points have one closest point only",
         found.defects.self_loops,
         found.defects.crossovers,
-        100.0 * found.unique
+        percent_of_share(found.unique, Rounding::Down)
     )?;
     if let Some(fit) = &results.fit {
         let [u, v] = fit.control_points;
@@ -336,7 +352,8 @@ fn write_distances(text: &mut String, fit: &FitReport, share: Option<f64>, holds
     writeln!(text, "  distance  rms {}  max {}", plain(fit.rms), plain(fit.max))?;
     if let Some(share) = share {
         let verdict = if holds { "reached" } else { "NOT reached" };
-        writeln!(text, "  tolerance {verdict}: {:.4} % of the points within", 100.0 * share)?;
+        let share = percent_of_share(share, Rounding::Down);
+        writeln!(text, "  tolerance {verdict}: {share} of the points within")?;
     }
     Ok(())
 }

@@ -4,6 +4,7 @@ use crate::error::Error;
 use crate::model::{Indexed, Model};
 use crate::points::Points;
 use crate::threads;
+use industrial_geometry::footpoint::Facing;
 use industrial_geometry::footpoint::{
     self, CurveFootpoint, CurveProjector, Location, Mode, Multiplicity, ProjectionOptions, Status,
     SurfaceFootpoint, SurfaceProjector,
@@ -111,15 +112,32 @@ impl Target {
         }
     }
 
-    /// Projects all points; `path` is the file they came from.
+    /// Makes sure that the model has normals, with which those of the points can agree.
+    pub(crate) fn check_normals(&self, path: &Path) -> Result<(), Error> {
+        let what = match self {
+            Self::Space { curves: None, .. } => return Ok(()),
+            Self::Mesh(mesh) if mesh.topology().is_oriented() => return Ok(()),
+            Self::Mesh(_) => "neighbouring triangles disagree on the side of their normals",
+            Self::Plane(_) | Self::Space { .. } => "the model has curves, which have no normals",
+        };
+        Err(Error::content(
+            path,
+            what,
+            "leave out --max-angle, or give a model of surfaces or an oriented mesh",
+        ))
+    }
+
+    /// Projects all points; `path` is the file they came from. With an angle, in radians, only feet count whose normals are
+    /// within it of those of the points.
     pub(crate) fn project(
         &self,
         points: &Points,
         path: &Path,
         options: &ProjectionOptions,
+        max_angle: Option<f64>,
         progress: Progress<'_>,
     ) -> Result<Vec<Foot>, Error> {
-        let feet = self.search(points, path, options, progress)?;
+        let feet = self.search(points, path, options, max_angle, progress)?;
         // Without a proof the bound of the library is 0, which says nothing.
         let is_proven = options.mode == Mode::Certified || matches!(self, Self::Mesh(_));
         let unproven = |foot: Foot| Foot { lower_bound: f64::NAN, ..foot };
@@ -131,9 +149,11 @@ impl Target {
         points: &Points,
         path: &Path,
         options: &ProjectionOptions,
+        max_angle: Option<f64>,
         progress: Progress<'_>,
     ) -> Result<Vec<Foot>, Error> {
         let invalid = |source: footpoint::Error| Error::usage(source.to_string(), "choose another value");
+        let normals = points.normals.as_deref().zip(max_angle);
         match self {
             Self::Plane(curves) => {
                 let queries = points.in_plane(path)?;
@@ -144,7 +164,21 @@ impl Target {
             Self::Space { surfaces, curves } => {
                 let queries = points.in_space(path)?;
                 let on_surfaces = surfaces.as_deref().map(|(projector, indices)| {
-                    let found = projector.project_many(&queries, options, progress).map_err(invalid)?;
+                    let mut found = projector.project_many(&queries, options, progress).map_err(invalid)?;
+                    if let Some((normals, angle)) = normals {
+                        let restricted = |i: &usize| -> SurfaceFootpoint {
+                            let (nearest, facing) = (&found[*i], Facing::new(&normals[*i], angle));
+                            match facing {
+                                Ok(facing) => projector.facing_foot(&queries[*i], nearest, &facing, options),
+                                Err(_) => no_normal(nearest),
+                            }
+                        };
+                        let indices: Vec<usize> = (0..queries.len()).collect();
+                        let go_on = |_: usize, _: usize| ControlFlow::Continue(());
+                        if let Some(first) = found.first() {
+                            found = threads::map(&indices, first, &go_on, restricted);
+                        }
+                    }
                     Ok::<_, Error>(found.iter().map(|foot| surface_foot(foot, indices)).collect::<Vec<_>>())
                 });
                 let on_curves = curves.as_deref().map(|(projector, indices)| {
@@ -165,6 +199,12 @@ impl Target {
             Self::Mesh(mesh) => {
                 points.in_space(path)?;
                 let cancelled = Foot::none(Status::Cancelled);
+                if let Some((normals, angle)) = normals {
+                    let pairs: Vec<_> = points.positions.iter().zip(normals).collect();
+                    return Ok(threads::map(&pairs, &cancelled, progress, |(x, normal)| {
+                        facing_mesh_foot(mesh, x, normal, angle)
+                    }));
+                }
                 Ok(threads::map(&points.positions, &cancelled, progress, |x| mesh_foot(mesh, x)))
             }
         }
@@ -233,8 +273,32 @@ fn curve_foot<const D: usize>(foot: &CurveFootpoint<D>, shape: u32) -> Foot {
     }
 }
 
+/// The answer for a point without a normal, when that for any side is `nearest`.
+fn no_normal(nearest: &SurfaceFootpoint) -> SurfaceFootpoint {
+    let nan = f64::NAN;
+    match nearest.status {
+        Status::InvalidPoint | Status::Cancelled => *nearest,
+        _ => SurfaceFootpoint { status: Status::NoNormal, distance: nan, signed_distance: nan, ..*nearest },
+    }
+}
+
+fn facing_mesh_foot(mesh: &MeshProjector, x: &Point3<f64>, normal: &Vector3<f64>, angle: f64) -> Foot {
+    match Facing::new(normal, angle) {
+        Err(_) if x.coords.iter().all(|value| value.is_finite()) => Foot::none(Status::NoNormal),
+        Err(_) => Foot::none(Status::InvalidPoint),
+        Ok(facing) => match mesh.project_facing(x, facing.direction(), angle) {
+            Ok(None) => Foot::none(Status::NoMatchingFoot),
+            Ok(Some(found)) => of_mesh(Ok(found.foot), x),
+            Err(error) => of_mesh(Err(error), x),
+        },
+    }
+}
+
 fn mesh_foot(mesh: &MeshProjector, x: &Point3<f64>) -> Foot {
-    let found: Result<MeshFootpoint, _> = mesh.project(x);
+    of_mesh(mesh.project(x), x)
+}
+
+fn of_mesh<E>(found: Result<MeshFootpoint, E>, x: &Point3<f64>) -> Foot {
     match found {
         Ok(foot) => Foot {
             point: foot.point.into(),

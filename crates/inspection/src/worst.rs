@@ -54,9 +54,12 @@ impl WorstPoints {
         Self { most: options.worst, kept: Vec::new() }
     }
 
-    /// Looks through the points of a tile; `first` is the index of its first point in the cloud.
-    pub(crate) fn extend(&mut self, first: u64, points: &[Point3<f64>], deviations: &[Deviation]) {
-        for ((point, deviation), index) in points.iter().zip(deviations).zip(first..) {
+    /// Looks through points with their indices in the cloud.
+    pub(crate) fn extend<'a>(
+        &mut self,
+        measured: impl Iterator<Item = (u64, &'a Point3<f64>, &'a Deviation)>,
+    ) {
+        for (index, point, deviation) in measured {
             if deviation.outcome == Outcome::Measured {
                 let [p, f] =
                     [point, &deviation.foot].map(|point| [point.x, point.y, point.z].map(f64::to_bits));

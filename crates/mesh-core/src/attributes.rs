@@ -102,6 +102,11 @@ impl Attributes {
         self.normals.is_none() && self.colours.is_none() && self.scalars.is_empty()
     }
 
+    /// Removes the normals and returns them.
+    pub fn take_normals(&mut self) -> Option<Vec<Vector3<f64>>> {
+        self.normals.take()
+    }
+
     /// Sets or removes the normals.
     pub fn set_normals(&mut self, normals: Option<Vec<Vector3<f64>>>) {
         self.normals = normals;

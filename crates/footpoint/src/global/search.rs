@@ -26,13 +26,7 @@ pub(crate) struct Found {
 impl<const K: usize> PatchSet<K> {
     /// The nearest point; `prove` asks for the certificate.
     #[inline(always)]
-    pub(crate) fn search(
-        &self,
-        x: &Vector3<f64>,
-        prove: bool,
-        gap: &Gap,
-        scratch: &mut Scratch<K>,
-    ) -> Found {
+    pub(crate) fn search(&self, x: &Vector3<f64>, prove: bool, gap: &Gap, scratch: &mut Scratch<K>) -> Found {
         let mut best = Foot::NONE;
         let mut limit_sq = gap.limit_sq(best.distance_sq);
         scratch.candidates.clear();

@@ -283,7 +283,7 @@ impl<const K: usize> PatchSet<K> {
 
 /// A vector along the normal; at a pole the limit of the normals along the parameter line.
 #[inline(always)]
-fn outward([s, t]: [f64; 2], jet: &SurfaceJet) -> Vector3<f64> {
+pub(crate) fn outward([s, t]: [f64; 2], jet: &SurfaceJet) -> Vector3<f64> {
     let normal = jet.du.cross(&jet.dv);
     let (lu, lv) = (jet.du.norm_squared(), jet.dv.norm_squared());
     if normal.norm_squared() > DEGENERATE_SQ * lu.max(lv) * lu.max(lv) {

@@ -2,11 +2,11 @@
 
 use super::Progress;
 use super::all_feet::{self, CurveFeet};
-use super::batch::{self, Batch};
+use super::batch::{self, Batch, Queries};
 use super::frame::Frame;
 use crate::global::gap::Gap;
 use crate::global::piece::PieceSet;
-use crate::global::search_curve::{CurveFoot, CurveScratch};
+use crate::global::search_curve::CurveScratch;
 use crate::global::simd::vectorized;
 use crate::{CurveFootpoint, Error, Location, Mode, Multiplicity, ProjectionOptions, Status, UpdateOptions};
 use nalgebra::SVector;
@@ -208,6 +208,33 @@ impl<const D: usize> CurveProjector<D> {
         feet
     }
 
+    /// As [`project_many`](Self::project_many) for the points `at(0)`, …, `at(count − 1)`, without holding all footpoints at
+    /// once; see [`SurfaceProjector::project_each`](crate::SurfaceProjector::project_each).
+    ///
+    /// # Errors
+    /// [`Error::Option`] for an option that is invalid.
+    pub fn project_each<T: Send>(
+        &self,
+        count: usize,
+        at: &(dyn Fn(usize) -> SVector<f64, D> + Sync),
+        options: &ProjectionOptions,
+        progress: Progress<'_>,
+        treat: &(dyn Fn(usize, &CurveFootpoint<D>) -> T + Sync),
+        receive: &mut dyn FnMut(&[(usize, T)]),
+    ) -> Result<(), Error> {
+        options.validate()?;
+        let queries = Queries { count, at: &|index| self.frame.query(&at(index)) };
+        let treat = |index: usize, foot: &CurveFootpoint<D>| {
+            let mut foot = *foot;
+            self.frame.leave(&at(index), &mut foot);
+            treat(index, &foot)
+        };
+        with_set!(&self.set, set => {
+            batch::each(&CurveQuery::new(set, options), &queries, progress, &treat, receive);
+        });
+        Ok(())
+    }
+
     /// All local minima of the distance that are at most `factor` (at least 1) times as far as the nearest point.
     ///
     /// A foot is a point without nearer ones around it on its curve: inside, on the boundary, on an inner
@@ -289,11 +316,7 @@ impl<const D: usize, const K: usize> Batch<D> for CurveQuery<'_, D, K> {
     }
 
     #[inline(always)]
-    fn answer(
-        &self,
-        x: &SVector<f64, D>,
-        scratch: &mut CurveScratch<K>,
-    ) -> CurveFootpoint<D> {
+    fn answer(&self, x: &SVector<f64, D>, scratch: &mut CurveScratch<K>) -> CurveFootpoint<D> {
         if self.mode == Mode::Local {
             // From a place of its own: what is found does not depend on the points before.
             let start = self.set.nearest_sample(x, scratch);

@@ -86,7 +86,7 @@ impl<const D: usize> Frame<D> {
 
     /// Whether a query is the same in this frame.
     #[inline(always)]
-    fn keeps(&self, x: &SVector<f64, D>) -> bool {
+    pub(crate) fn keeps(&self, x: &SVector<f64, D>) -> bool {
         // False for what is not finite, too.
         self.is_file && x.iter().all(|c| c.abs() < USUAL)
     }

@@ -2,13 +2,13 @@
 
 use super::Progress;
 use super::all_feet::{self, SurfaceFeet};
-use super::batch::{self, Batch};
+use super::batch::{self, Batch, Queries};
+use super::facing;
 use super::frame::Frame;
-use crate::global::descend::Foot;
 use crate::global::gap::Gap;
 use crate::global::patch::PatchSet;
 use crate::global::scratch::Scratch;
-use crate::{Error, Mode, Multiplicity, ProjectionOptions, Status, SurfaceFootpoint, UpdateOptions};
+use crate::{Error, Facing, Mode, Multiplicity, ProjectionOptions, Status, SurfaceFootpoint, UpdateOptions};
 use nalgebra::Vector3;
 use nurbs_core::BsplineSurface;
 use std::borrow::Cow;
@@ -206,6 +206,78 @@ impl SurfaceProjector {
         feet
     }
 
+    /// As [`project_many`](Self::project_many) for the points `at(0)`, …, `at(count − 1)`, without holding all footpoints at
+    /// once: each is turned into what `treat` makes of it, in parallel, and `receive` gets these with the indices of their
+    /// points, some tens of thousands at a time. They come in an order that follows the positions of the points.
+    ///
+    /// # Errors
+    /// [`Error::Option`] for an option that is invalid.
+    pub fn project_each<T: Send>(
+        &self,
+        count: usize,
+        at: &(dyn Fn(usize) -> Vector3<f64> + Sync),
+        options: &ProjectionOptions,
+        progress: Progress<'_>,
+        treat: &(dyn Fn(usize, &SurfaceFootpoint) -> T + Sync),
+        receive: &mut dyn FnMut(&[(usize, T)]),
+    ) -> Result<(), Error> {
+        options.validate()?;
+        let queries = Queries { count, at: &|index| self.frame.query(&at(index)) };
+        let treat = |index: usize, foot: &SurfaceFootpoint| {
+            let mut foot = *foot;
+            self.frame.leave(&at(index), &mut foot);
+            treat(index, &foot)
+        };
+        with_set!(&self.set, set => {
+            batch::each(&SurfaceQuery::new(set, options), &queries, progress, &treat, receive);
+        });
+        Ok(())
+    }
+
+    /// The nearest of the feet whose normals agree, when `nearest` is the answer for `x` among all.
+    ///
+    /// A foot is a point without nearer ones around it on its surface, as in [`feet_within`](Self::feet_within); on a kink, at a
+    /// seam or a pole it counts if the normal on any side of it agrees. The lower bound is one for the feet that count: no
+    /// other one is nearer. Without any the status is [`Status::NoMatchingFoot`]. Boxes are examined up to the limits of
+    /// [`feet_within`](Self::feet_within), for each of a few ranges of the distance; where these do not suffice for a proof, the
+    /// lower bound is that of `nearest`.
+    ///
+    /// ```
+    /// use footpoint::{Facing, ProjectionOptions, SurfaceProjector};
+    /// use nalgebra::Vector3;
+    /// use nurbs_core::{Frame, Sphere};
+    ///
+    /// let sphere = Sphere::new(Frame::new(Vector3::zeros(), Vector3::z(), Vector3::x())?, 2.0)?.to_nurbs()?;
+    /// let projector = SurfaceProjector::new(&sphere);
+    /// let x = Vector3::new(0.0, 0.0, 1.0);
+    /// let (nearest, down) = (projector.project(&x), Facing::new(&-Vector3::z(), 0.1)?);
+    /// // Inside, the foot on the far side is the farthest point, not a foot: nothing there is a local minimum.
+    /// let foot = projector.facing_foot(&x, &nearest, &down, &ProjectionOptions::default());
+    /// assert_eq!(foot.status, footpoint::Status::NoMatchingFoot);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn facing_foot(
+        &self,
+        x: &Vector3<f64>,
+        nearest: &SurfaceFootpoint,
+        facing: &Facing,
+        options: &ProjectionOptions,
+    ) -> SurfaceFootpoint {
+        let y = self.frame.query(x);
+        let mut foot = with_set!(&self.set, set => {
+            let nearest = if self.frame.keeps(x) {
+                *nearest
+            } else {
+                let query = SurfaceQuery::new(set, options);
+                query.set.scratch.with(|scratch| batch::single(&query, &y, scratch))
+            };
+            facing::restricted(set, &y, &nearest, facing, options)
+        });
+        self.frame.leave(x, &mut foot);
+        foot
+    }
+
     /// All local minima of the distance that are at most `factor` (at least 1) times as far as the nearest point.
     ///
     /// A foot is a point without nearer ones around it on its surface: inside, on the boundary, on an inner
@@ -270,11 +342,7 @@ impl<const K: usize> Batch<3> for SurfaceQuery<'_, K> {
     }
 
     #[inline(always)]
-    fn answer(
-        &self,
-        x: &Vector3<f64>,
-        scratch: &mut Scratch<K>,
-    ) -> SurfaceFootpoint {
+    fn answer(&self, x: &Vector3<f64>, scratch: &mut Scratch<K>) -> SurfaceFootpoint {
         if self.mode == Mode::Local {
             // From a place of its own: what is found does not depend on the points before.
             let start = self.set.nearest_sample(x, scratch);

@@ -1,6 +1,8 @@
 //! All integration tests of `footpoint` in one binary: linking once is most of what building them costs.
 
 mod all_feet;
+mod batch_independence;
+mod facing;
 mod fast_mode;
 mod local_common;
 mod local_curve;

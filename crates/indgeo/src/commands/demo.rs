@@ -64,6 +64,7 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         points: &data.scan,
         out: &csv,
         options: args.search.options()?,
+        max_angle: None,
         mode: args.search.mode,
         drop_non_finite: args.search.drop_non_finite,
         threads: common.threads,

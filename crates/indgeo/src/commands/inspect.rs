@@ -39,6 +39,12 @@ pub(crate) struct Args {
     /// The same as --along X,Y,Z
     #[arg(long, value_name = "X,Y,Z", conflicts_with = "along", allow_hyphen_values = true, value_parser = parse_direction)]
     direction: Option<[f64; 3]>,
+    /// Largest angle between the normal of a point and that of the model where it is measured, up to 180 (no limit)
+    ///
+    /// A thin wall is then measured on the face that was scanned. Needs points with normals that point out of the material.
+    /// With --along normal the default is 90, otherwise there is no limit.
+    #[arg(long, value_name = "DEG", value_parser = super::parse_angle)]
+    max_angle: Option<f64>,
     /// Count points farther from the model than this, but do not use them
     #[arg(long, value_name = "D", default_value_t = f64::INFINITY)]
     max_distance: f64,
@@ -63,25 +69,38 @@ pub(crate) struct Args {
 
 const AFTER_HELP: &str = "\
 A deviation is the distance of a point from the model along the line of projection, positive on the side to which the
-normal (du x dv, or that of the triangles) points. Along normals and directions, the nearest crossing in either sense counts. In the plane deviations are positive on
-the left of a curve, in space curves give them no sign; both take --along shortest only.
+normal (du x dv, or that of the triangles) points. Along normals and directions, the nearest crossing in either sense
+counts. In the plane deviations are positive on the left of a curve, in space curves give them no sign; both take --along
+shortest only, and no --max-angle.
 
-Verdict: pass if (points within) / (points measured + points that did not converge) >= SHARE, and there is one. Points
-beyond D, beyond the boundary (if dropped), whose line misses the model, without a normal, or not finite are counted, but
-not judged. Exit status 0: pass; 1: fail; 2: bad input or usage.
+With --max-angle only those feet and crossings count where the normal of the model is within DEG of that of the point: local
+minima of the distance on surfaces, the nearest points of the triangles that agree on a mesh; on an edge, kink or seam the
+normal of any face there will do. What is proven is proven for these. At 90 a face that stands exactly upright does not
+count. Files cannot tell whether normals have a side: where they have none, --along normal takes --max-angle 180.
+
+Verdict: pass if (points within) / (points judged) >= SHARE, and there is one. Judged are the points measured, and as not
+within: those that are undecided, have no_matching_foot (no place of the model agrees with their normal), or not_converged
+(no footpoint was found). A point is undecided if all that is proven about its distance, an interval from a lower bound to
+the distance found, reaches across a limit of the tolerance; it fails the part only if SHARE is then not reached. A point
+whose whole interval lies within the tolerance is within, whether its iteration converged or not. A certified distance
+counts as it is, up to --relative-gap.
+Points beyond D, beyond the boundary (if dropped), whose line misses the model, with a normal that is zero or not finite
+where one is needed (no_normal), or not finite themselves are counted, but not judged; the last two cause a warning.
+Shares are rounded to the bad side: 100.00 % means all. Exit status 0: pass; 1: fail; 2: bad input or usage.
 
 Columns of OUT, one row per point, in the order of POINTS:
   surfaces  x,y,z,foot_x,foot_y,foot_z,normal_x,normal_y,normal_z,distance,shape,u,v,location,result
   mesh      ... with triangle in place of u,v
   curves    ... with t in place of u,v; in the plane (points of two columns) without z: x,y,foot_x,foot_y,normal_x,...
 x,y,z are the coordinates after --transform. result: within, over, under, or why the point is not judged:
-beyond_max_distance, beyond_boundary, no_hit, no_normal, not_converged, invalid_point. PLY has red,green,blue too.
+beyond_max_distance, beyond_boundary, no_hit, no_normal, not_converged, invalid_point, no_matching_foot, undecided. PLY has red,green,blue too.
 The form of --json is that of docs/schema/inspection.schema.json.
 
 Examples:
   indgeo inspect part.json scan.ply --tolerance 0.05 --report report.html --json report.json
   indgeo inspect part.stl scan.xyz --lower -0.1 --upper 0.3 --min-share 0.99 -o deviations.ply
-  indgeo inspect part.json scan.ply -t 0.05 --along 0,0,1 --max-distance 2";
+  indgeo inspect part.json scan.ply -t 0.05 --along 0,0,1 --max-distance 2
+  indgeo inspect sheet.stl scan.ply -t 0.05 --max-angle 60";
 
 fn parse_direction(text: &str) -> Result<[f64; 3], String> {
     let direction = super::parse_triple(text).filter(|d| d.iter().any(|value| *value != 0.0));
@@ -122,6 +141,7 @@ impl Args {
                 .with_max_distance(self.max_distance)
                 .with_drop_beyond_boundary(self.drop_beyond_boundary)
                 .with_worst(usize::from(self.worst));
+            let options = InspectionOptions { max_angle: self.max_angle.map(f64::to_radians), ..options };
             options.validate().map(|()| options)
         });
         let options =

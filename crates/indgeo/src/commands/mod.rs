@@ -50,6 +50,14 @@ fn parse_triple(text: &str) -> Option<[f64; 3]> {
     triple.iter().all(|value| value.is_finite()).then_some(triple)
 }
 
+/// A largest angle in degrees.
+fn parse_angle(text: &str) -> Result<f64, String> {
+    let angle: Option<f64> = text.trim().parse().ok();
+    angle
+        .filter(|angle| *angle > 0.0 && *angle <= 180.0)
+        .ok_or_else(|| "an angle is a number of degrees above 0, at most 180".to_owned())
+}
+
 /// Makes sure that a fit leaves something behind: a file, or the report.
 fn something_written(any_file: bool, common: &Common, output: &str) -> Result<(), Error> {
     if any_file || common.json.is_some() {

@@ -24,6 +24,11 @@ pub(crate) struct Args {
     /// The result; its format follows from the extension: .csv, .ply or .json
     #[arg(long, short, value_name = "OUT")]
     pub(crate) out: PathBuf,
+    /// Largest angle between the normals of a point and of the model at its foot, up to 180 (no limit)
+    ///
+    /// Of a thin wall the face that was scanned is then found. Needs points with normals that point out of the material.
+    #[arg(long, value_name = "DEG", value_parser = super::parse_angle)]
+    max_angle: Option<f64>,
     #[command(flatten)]
     search: Search,
 }
@@ -97,15 +102,18 @@ distance  in the unit of the files. Onto surfaces it is positive on the side to 
           closed meshes positive outside; onto curves and open meshes it has no sign.
 shape     index of the curve or surface in the model, triangle: index in the mesh; both count from 0.
 status    converged, on_boundary (the closest point lies on the boundary of the model), uncertified (a foot, but the proof
-          that none is nearer stayed open), stalled, max_iterations, diverged, cancelled, invalid_point. In PLY a number,
-          named in the header.
-lower_bound  no point of the model is nearer than this; empty where nothing was proven (--mode fast and local).
+          that none is nearer stayed open), stalled, max_iterations, diverged, cancelled, invalid_point; with --max-angle
+          no_matching_foot (no foot has a normal within DEG of the point's: the feet that count are local minima of the
+          distance on surfaces, the nearest points of the triangles that agree on a mesh, and on an edge any face there will
+          do), no_normal (that of the point is zero). In PLY a number, named in the header.
+lower_bound  no point of the model, with --max-angle no foot that counts, is nearer than this; empty where nothing was proven
+          (--mode fast and local).
 Numbers read back to the same bits. .csv: a missing value is empty. .ply: binary, doubles, NaN and -1 where there is no
 value; triangles of POINTS are kept. .json: {\"points\": N, \"columns\": [...], \"x\": [...], ...}, null where there is
 no value.
 
-Exit status 1 if a finite point did not converge or stayed uncertified; the result is written nevertheless. Points that are not finite cause
-a warning, not a failure.
+Exit status 1 if a finite point did not converge, stayed uncertified or has no matching foot; the result is written
+nevertheless. Points that are not finite, or lack the normal that --max-angle asks for, cause a warning, not a failure.
 
 Examples:
   indgeo project model.json scan.ply -o deviations.csv
@@ -120,6 +128,7 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         points: &args.points,
         out: &args.out,
         options: args.search.options()?,
+        max_angle: args.max_angle.filter(|angle| *angle < 180.0).map(f64::to_radians),
         mode: args.search.mode,
         drop_non_finite: args.search.drop_non_finite,
         threads: common.threads,

@@ -44,6 +44,12 @@ pub(crate) struct Args {
     /// Share of the points that belong to the model, 0 to 1, for --outliers trimmed
     #[arg(long, value_name = "SHARE", required_if_eq("outliers", "trimmed"))]
     overlap: Option<f64>,
+    /// Largest angle between the normals of a point and of the model at its foot, up to 180 (no limit)
+    ///
+    /// Points whose nearest place of the model faces another way do not count in a step, so that a scan of one face of a thin
+    /// wall is not drawn to the other. Needs points with normals that point out of the material.
+    #[arg(long, value_name = "DEG", value_parser = super::parse_angle)]
+    max_angle: Option<f64>,
     /// Degrees of freedom that are held fast: any of tx, ty, tz, rx, ry, rz, separated by commas
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_enum)]
     lock: Vec<Freedom>,
@@ -114,6 +120,9 @@ The covariance is that of (displacement of `origin`, rotation vector about it). 
 shape does not fix, as that of a cylinder along and about its axis; the points are not moved along these.
 
 In the plane the matrix is that of a turn about z, and the covariance has three rows (x, y, angle).
+
+With --max-angle a point without a normal (zero, not finite) does not count. Curves and clouds without normals of their own
+have nothing to compare with, and refuse it.
 
 With several starts each is reported (`starts`); the one that leaves the least distance counts.
 Exit status 0: converged; 1: not converged, or no overlap (files are written nevertheless); 2: bad input or usage.
@@ -200,6 +209,7 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         transform: args.transform.as_deref(),
         start,
         options,
+        max_angle: args.max_angle.filter(|angle| *angle < 180.0).map(f64::to_radians),
         needs_normals: args.method == MethodChoice::Symmetric,
         quiet: common.quiet,
     };

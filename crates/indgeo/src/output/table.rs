@@ -111,7 +111,7 @@ pub(crate) struct Table<'a> {
 }
 
 /// The statuses in the order of their numbers in binary files.
-const STATUSES: [Status; 8] = [
+const STATUSES: [Status; 10] = [
     Status::Converged,
     Status::OnBoundary,
     Status::Stalled,
@@ -120,6 +120,8 @@ const STATUSES: [Status; 8] = [
     Status::Cancelled,
     Status::InvalidPoint,
     Status::Uncertified,
+    Status::NoMatchingFoot,
+    Status::NoNormal,
 ];
 
 /// The number of a status in the file; 255 for one that is not listed.

@@ -51,7 +51,7 @@ fn a_person_reads_the_verdict_too() {
     let bench = bench();
     let run = bench.run("inspect model.json points.xyz --tolerance 0.1 --max-distance 5");
     assert_eq!(run.code, 1);
-    assert!(run.stdout.starts_with("FAIL: 2 of 4 points within -0.1 to 0.1 (50.0000 %"), "{}", run.stdout);
+    assert!(run.stdout.starts_with("FAIL: 2 of 4 points within -0.1 to 0.1 (50.00 %"), "{}", run.stdout);
     assert!(run.stdout.contains("not used  1 beyond_max_distance, 1 invalid_point"), "{}", run.stdout);
     assert!(run.stderr.contains("1 of 6 points have a coordinate that is NaN"), "{}", run.stderr);
     let help = bench.run("inspect --help");

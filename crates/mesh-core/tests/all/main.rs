@@ -3,6 +3,7 @@
 mod closest;
 mod cloud_index;
 mod curvature;
+mod facing;
 mod limit_surface;
 mod line_hit;
 mod loop_subdivision;

@@ -127,7 +127,7 @@ impl std::fmt::Display for CurveReport {
         )?;
         if let (Some(tolerance), Some(share), Some(false)) = (self.tolerance, self.share_within, self.reached)
         {
-            write!(f, "; tolerance {tolerance} not reached: {:.2} % of the points within", 100.0 * share)?;
+            write!(f, "; tolerance {tolerance} not reached: a share of {share} of the points within")?;
         }
         if !self.crossings.is_empty() {
             write!(f, "; crosses itself {} times", self.crossings.len())?;

@@ -6,6 +6,7 @@ mod curve_search;
 mod curve_terms;
 mod curves;
 mod level_sets;
+mod primitive_search;
 mod primitives;
 mod ruled;
 mod subdivision;

@@ -59,7 +59,11 @@ pub(super) fn bend(ranges: &Ranges, limit_sq: f64, error: f64) -> Option<Bend> {
     let [low, high] = [0.5 * (a + b) - root, 0.5 * (a + b) + root];
     // The eigenvector of the smaller eigenvalue, from the row that says more.
     let rows = [[a - low, c], [c, b - low]];
-    let row = if rows[0][0].abs() + rows[0][1].abs() > rows[1][0].abs() + rows[1][1].abs() { rows[0] } else { rows[1] };
+    let row = if rows[0][0].abs() + rows[0][1].abs() > rows[1][0].abs() + rows[1][1].abs() {
+        rows[0]
+    } else {
+        rows[1]
+    };
     let length = row[0].hypot(row[1]);
     let e = if length > 0.0 { [-row[1] / length, row[0] / length] } else { [1.0, 0.0] };
     let (e0, e1) = (e[0].abs(), e[1].abs());
@@ -92,7 +96,14 @@ impl Bend {
 
     /// Looks for the lowest place of the part from `start`; `error` is that of the numbers of the net, per unit of weight.
     #[inline(always)]
-    pub(super) fn lowest(&self, layout: Layout, net: &[f64], limit_sq: f64, start: [f64; 2], error: f64) -> Low {
+    pub(super) fn lowest(
+        &self,
+        layout: Layout,
+        net: &[f64],
+        limit_sq: f64,
+        start: [f64; 2],
+        error: f64,
+    ) -> Low {
         let mut at = start;
         let mut best = Low { place: start, value: f64::INFINITY, bound: f64::NEG_INFINITY, noise: 0.0 };
         for _ in 0..STEPS {
@@ -102,7 +113,8 @@ impl Bend {
             let here = 0.5 * of(value, value);
             let slope = [of(u, value), of(v, value)];
             let [e, f] = self.flattest;
-            let reach = [0, 1].map(|i| [0, 1].map(|j| (e * (i as f64 - at[0]) + f * (j as f64 - at[1])).abs()));
+            let reach =
+                [0, 1].map(|i| [0, 1].map(|j| (e * (i as f64 - at[0]) + f * (j as f64 - at[1])).abs()));
             let reach = reach.as_flattened().iter().copied().fold(0.0, f64::max);
             let fall = |d: usize| (slope[d] * -at[d]).min(slope[d] * (1.0 - at[d]));
             let bound = (here + fall(0).min(0.0) + fall(1).min(0.0)) - 0.5 * self.lack * reach * reach;
@@ -116,11 +128,13 @@ impl Bend {
             if bound >= noise || here < -noise {
                 break;
             }
-            let [mut a, c, mut b] = [of(u, u) + of(value, uu), of(u, v) + of(value, uv), of(v, v) + of(value, vv)];
+            let [mut a, c, mut b] =
+                [of(u, u) + of(value, uu), of(u, v) + of(value, uv), of(v, v) + of(value, vv)];
             a += self.lack * e * e;
             b += self.lack * f * f;
             let c = c + self.lack * e * f;
-            let free = [0, 1].map(|d| !((at[d] <= 0.0 && slope[d] > 0.0) || (at[d] >= 1.0 && slope[d] < 0.0)));
+            let free =
+                [0, 1].map(|d| !((at[d] <= 0.0 && slope[d] > 0.0) || (at[d] >= 1.0 && slope[d] < 0.0)));
             let det = a * b - c * c;
             let step = match free {
                 [true, true] => [(c * slope[1] - b * slope[0]) / det, (c * slope[0] - a * slope[1]) / det],

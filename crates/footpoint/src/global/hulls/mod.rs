@@ -68,7 +68,10 @@ pub(crate) struct HullScratch {
 enum Finding {
     Dropped,
     /// Open: no point is nearer than this; where to cut.
-    Open { floor: f64, direction: usize },
+    Open {
+        floor: f64,
+        direction: usize,
+    },
     /// A place that is nearer than the footpoint.
     Nearer([f64; 2]),
 }

@@ -200,7 +200,9 @@ mod tests {
     use super::*;
 
     fn net(layout: Layout) -> Vec<f64> {
-        (0..layout.length()).map(|k| ((k * 7919) % 101) as f64 / 50.0 + if k >= 3 * layout.count() { 1.0 } else { -1.0 }).collect()
+        (0..layout.length())
+            .map(|k| ((k * 7919) % 101) as f64 / 50.0 + if k >= 3 * layout.count() { 1.0 } else { -1.0 })
+            .collect()
     }
 
     #[test]
@@ -217,7 +219,10 @@ mod tests {
                     at[1][d] = 0.3 + 0.7 * place[d];
                     for (part, at) in [(&low, at[0]), (&high, at[1])] {
                         let (a, b) = (layout.jet(part, place)[0], layout.jet(&whole, at)[0]);
-                        assert!((0..COMPONENTS).all(|c| (a[c] - b[c]).abs() < 1e-13), "{degrees:?} {d} {a:?} {b:?}");
+                        assert!(
+                            (0..COMPONENTS).all(|c| (a[c] - b[c]).abs() < 1e-13),
+                            "{degrees:?} {d} {a:?} {b:?}"
+                        );
                     }
                 }
             }
@@ -235,7 +240,10 @@ mod tests {
                 let jet = layout.jet(&net, place);
                 for c in 0..COMPONENTS {
                     for (value, [middle, half]) in jet.iter().zip(ranges.parts[c]) {
-                        assert!((value[c] - middle).abs() <= half + 1e-12, "{degrees:?} {c} {value:?} {middle} {half}");
+                        assert!(
+                            (value[c] - middle).abs() <= half + 1e-12,
+                            "{degrees:?} {c} {value:?} {middle} {half}"
+                        );
                     }
                 }
             }
