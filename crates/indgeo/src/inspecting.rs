@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::files;
 use crate::model::{Loaded, Model};
-use crate::output::{self, DeviationTable, Format, Measured, Rows};
+use crate::output::{self, DeviationTable, Format, Measured, NAME, Rows};
 use crate::points::Points;
 use crate::progress::Progress;
 use crate::report::{Input, ModelSummary, Options, Output, Report, Results, Timings};
@@ -111,7 +111,10 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Inspection, Erro
         partial.extend(0, &points.positions, &deviations);
         Ok((partial.finish(&job.options, nominal.shapes())?, deviations))
     });
-    let (found, deviations) = found.map_err(|error| usage(&error))?;
+    let (mut found, deviations) = found.map_err(|error| usage(&error))?;
+    for worst in &mut found.worst {
+        worst.name = usize::try_from(worst.index).ok().and_then(|index| points.name(index)).map(str::to_owned);
+    }
     drop(progress);
     report.points_per_second =
         (timings.compute > 0.0).then(|| points.positions.len() as f64 / timings.compute);
@@ -214,6 +217,7 @@ fn write(
         if let (Some(path), Some(format)) = (job.out, format) {
             let table = DeviationTable {
                 points: &points.positions,
+                point_names: points.names.as_ref(),
                 deviations,
                 triangles: &points.triangles,
                 tolerance: job.options.tolerance,
@@ -221,7 +225,9 @@ fn write(
                 coloured: format == Format::Ply,
             };
             let bytes = output::write(path, format, &table)?;
-            let content = format!("{} rows: {}", deviations.len(), table.names().join(","));
+            let columns: Vec<&str> =
+                table.names().into_iter().chain(points.names.as_ref().map(|_| NAME)).collect();
+            let content = format!("{} rows: {}", deviations.len(), columns.join(","));
             outputs.push(Output { path: path.to_path_buf(), bytes, content });
         }
         if let Some(path) = job.page {

@@ -2,6 +2,7 @@
 
 use super::rows::{Cell, Rows};
 use industrial_geometry::inspection::{Class, ColourScale, Deviation, Outcome, Tolerance};
+use industrial_geometry::mesh::TextField;
 use industrial_geometry::mesh::nalgebra::Point3;
 
 /// Points as they were inspected, and their deviations.
@@ -9,6 +10,8 @@ use industrial_geometry::mesh::nalgebra::Point3;
 pub(crate) struct DeviationTable<'a> {
     /// The points.
     pub(crate) points: &'a [Point3<f64>],
+    /// Their names.
+    pub(crate) point_names: Option<&'a TextField>,
     /// One deviation per point.
     pub(crate) deviations: &'a [Deviation],
     /// Triangles over the points.
@@ -127,6 +130,10 @@ impl Rows for DeviationTable<'_> {
                 }
             },
         }
+    }
+
+    fn point_names(&self) -> Option<&TextField> {
+        self.point_names
     }
 
     fn triangles(&self) -> &[[u32; 3]] {
