@@ -113,7 +113,8 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Inspection, Erro
     });
     let (mut found, deviations) = found.map_err(|error| usage(&error))?;
     for worst in &mut found.worst {
-        worst.name = usize::try_from(worst.index).ok().and_then(|index| points.name(index)).map(str::to_owned);
+        worst.name =
+            usize::try_from(worst.index).ok().and_then(|index| points.name(index)).map(str::to_owned);
     }
     drop(progress);
     report.points_per_second =

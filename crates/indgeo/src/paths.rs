@@ -13,7 +13,8 @@ pub(crate) fn check(command: &Command) -> Result<(), Error> {
             return Err(Error::content(output, what, "choose another name for the output"));
         }
         if let Some(other) = outputs[..index].iter().find(|other| is_same(output, other)) {
-            let what = format!("two outputs would be written to this file (the other is {})", other.display());
+            let what =
+                format!("two outputs would be written to this file (the other is {})", other.display());
             return Err(Error::content(output, what, "choose another name for one of them"));
         }
     }

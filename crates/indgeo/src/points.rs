@@ -3,8 +3,8 @@
 use crate::error::Error;
 use crate::files;
 use industrial_geometry::io::{Content, ReadOptions, ReadReport};
-use industrial_geometry::mesh::nalgebra::{Point3, Vector2, Vector3};
 use industrial_geometry::mesh::TextField;
+use industrial_geometry::mesh::nalgebra::{Point3, Vector2, Vector3};
 use std::path::Path;
 
 /// Points with the triangles over them, as read.

@@ -90,14 +90,22 @@ fn solids_with_rounding_beside_zero_have_sides() {
     dir.write("box.stl", prism(&[[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]], 2.0, -2.5e-16));
     dir.write("points.xyz", "2 1.5 -0.25\n2 1.5 0.25\n4.5 1.5 0\n2 1.5 1.5\n-0.1 1.5 0\n0.1 1.5 1\n");
     let info = stdout(&dir.run(&["info", "box.stl"]));
-    assert!(info.contains("is closed             yes") && info.contains("volume                24"), "{info}");
+    assert!(
+        info.contains("is closed             yes") && info.contains("volume                24"),
+        "{info}"
+    );
     assert_eq!(dir.code(&["project", "box.stl", "points.xyz", "-o", "a.csv"]), 0);
-    for (found, right) in column(&dir.read("a.csv"), "distance").iter().zip([0.25, -0.25, 0.5, -0.5, 0.1, -0.1]) {
+    for (found, right) in
+        column(&dir.read("a.csv"), "distance").iter().zip([0.25, -0.25, 0.5, -0.5, 0.1, -0.1])
+    {
         assert!((found - right).abs() < 1e-12, "{found} {right}");
     }
     // Points before the sharp edge of a wedge lie outside, on whatever face the nearest point is.
     let tip = 20f32.to_radians();
-    dir.write("wedge.stl", prism(&[[0.0, 0.0], [3.0 * tip.cos(), -3.0 * tip.sin()], [3.0, 0.0]], 2.0, 2.5e-16));
+    dir.write(
+        "wedge.stl",
+        prism(&[[0.0, 0.0], [3.0 * tip.cos(), -3.0 * tip.sin()], [3.0, 0.0]], 2.0, 2.5e-16),
+    );
     let before: String = (0..7).map(|i| format!("-0.2 0 {}\n", 0.25 * f64::from(i))).collect();
     dir.write("edge.xyz", before);
     assert_eq!(dir.code(&["inspect", "wedge.stl", "edge.xyz", "-t", "1", "-o", "b.csv"]), 0);
@@ -111,7 +119,10 @@ fn names_of_points_come_back() {
     let dir = Folder::new();
     dir.write("model.json", SURFACE);
     dir.write("named.csv", NAMED);
-    assert_eq!(dir.code(&["project", "model.json", "named.csv", "-o", "p.csv", "--json", "p.report.json"]), 0);
+    assert_eq!(
+        dir.code(&["project", "model.json", "named.csv", "-o", "p.csv", "--json", "p.report.json"]),
+        0
+    );
     let lines: Vec<String> = dir.read("p.csv").lines().map(str::to_owned).collect();
     assert!(lines[0].ends_with(",status,name"), "{}", lines[0]);
     assert!(lines[1].ends_with(",bore 1") && lines[2].ends_with(",\"bore 2, left\""), "{lines:?}");
@@ -120,7 +131,19 @@ fn names_of_points_come_back() {
     assert_eq!(report["results"]["columns"].as_array().unwrap().last().unwrap(), "name");
     assert_eq!(dir.code(&["project", "model.json", "named.csv", "-o", "p.json"]), 0);
     assert_eq!(dir.json("p.json")["name"], serde_json::json!(["bore 1", "bore 2, left"]));
-    let inspect = ["inspect", "model.json", "named.csv", "-t", "1", "-o", "i.ply", "--json", "i.report.json", "--report", "i.html"];
+    let inspect = [
+        "inspect",
+        "model.json",
+        "named.csv",
+        "-t",
+        "1",
+        "-o",
+        "i.ply",
+        "--json",
+        "i.report.json",
+        "--report",
+        "i.html",
+    ];
     let output = dir.run(&inspect);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert!(stdout(&output).contains("at point 0 (from 0) \"bore 1\""), "{}", stdout(&output));
@@ -131,7 +154,10 @@ fn names_of_points_come_back() {
     let back = dir.read("back.csv");
     assert!(back.lines().next().unwrap().ends_with(",name") && back.contains("\"bore 2, left\""), "{back}");
     assert_eq!(dir.code(&["convert", "named.csv", "named.xyz"]), 0);
-    assert_eq!(dir.read("named.xyz"), "# x y z name\n0.1 0.2 0.9 \"bore 1\"\n0.2 0.1 -0.8 \"bore 2, left\"\n");
+    assert_eq!(
+        dir.read("named.xyz"),
+        "# x y z name\n0.1 0.2 0.9 \"bore 1\"\n0.2 0.1 -0.8 \"bore 2, left\"\n"
+    );
     // Points without names have the columns they always had.
     dir.write("plain.xyz", "0.1 0.2 0.9\n");
     assert_eq!(dir.code(&["project", "model.json", "plain.xyz", "-o", "q.csv"]), 0);
@@ -143,7 +169,11 @@ fn decimal_commas_between_blanks_need_an_option() {
     let dir = Folder::new();
     dir.write("a.xyz", "1,5 2,25 3,0\n2,5 3,25 -4,125\n");
     let output = dir.run(&["info", "a.xyz"]);
-    assert!(output.status.code() == Some(2) && stderr(&output).contains("--decimal-comma"), "{}", stderr(&output));
+    assert!(
+        output.status.code() == Some(2) && stderr(&output).contains("--decimal-comma"),
+        "{}",
+        stderr(&output)
+    );
     assert_eq!(dir.code(&["info", "a.xyz", "--decimal-comma"]), 0);
     assert_eq!(dir.code(&["convert", "a.xyz", "b.csv", "--decimal-comma"]), 0);
     assert_eq!(dir.read("b.csv"), "x,y,z\n1.5,2.25,3\n2.5,3.25,-4.125\n");
@@ -212,7 +242,10 @@ fn names_of_files_need_not_be_utf_8() {
     assert!(dir.json("info.json")["results"][0]["path"].as_str().unwrap().contains("bad\u{fffd}.xyz"));
     let out = dir.path(OsStr::from_bytes(b"out\xfe.csv"));
     let words = ["project", "model.json"].map(OsStr::new).into_iter().chain([bad.as_os_str()]);
-    let words = words.chain(["-o"].map(OsStr::new)).chain([out.as_os_str()]).chain(["--json", "p.json"].map(OsStr::new));
+    let words = words
+        .chain(["-o"].map(OsStr::new))
+        .chain([out.as_os_str()])
+        .chain(["--json", "p.json"].map(OsStr::new));
     let output = dir.run(&words.collect::<Vec<_>>());
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let report = dir.json("p.json");
@@ -245,7 +278,9 @@ fn no_two_outputs_are_one_file() {
         let output = dir.run(words);
         assert_eq!(output.status.code(), Some(2), "{words:?}: {}", stderr(&output));
         let message = stderr(&output);
-        let said = ["two outputs", "overwrite an input", "the output as well"].iter().any(|part| message.contains(part));
+        let said = ["two outputs", "overwrite an input", "the output as well"]
+            .iter()
+            .any(|part| message.contains(part));
         assert!(said, "{words:?}: {message}");
     }
     for name in ["y.ply", "i.csv", "a.json", "sub/t.json"] {
@@ -253,7 +288,10 @@ fn no_two_outputs_are_one_file() {
     }
     assert_eq!(std::fs::read(&scan).unwrap(), b"0.1 0.2 0.9\n0.5 0.5 0.5\n0.7 0.1 0.3\n");
     // The report tells of the refusal.
-    assert_eq!(dir.code(&["register", "model.json", "scan.xyz", "--transform", "y", "-o", "y", "--json", "r.json"]), 2);
+    assert_eq!(
+        dir.code(&["register", "model.json", "scan.xyz", "--transform", "y", "-o", "y", "--json", "r.json"]),
+        2
+    );
     assert_eq!(dir.json("r.json")["status"], "error");
     // A device may take several.
     let null = ["inspect", "model.json", "scan.xyz", "-t", "1", "--report", "/dev/null.html"];
@@ -273,6 +311,10 @@ fn a_full_disk_on_standard_output_is_an_error() {
         let mut command = Command::new(env!("CARGO_BIN_EXE_indgeo"));
         let output = command.current_dir(dir.0.path()).args(words).stdout(full).output().unwrap();
         assert_eq!(output.status.code(), Some(2), "{words:?}");
-        assert!(stderr(&output).contains("standard output") || stderr(&output).contains("cannot write"), "{}", stderr(&output));
+        assert!(
+            stderr(&output).contains("standard output") || stderr(&output).contains("cannot write"),
+            "{}",
+            stderr(&output)
+        );
     }
 }

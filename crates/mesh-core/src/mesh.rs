@@ -178,15 +178,18 @@ impl TriangleMesh {
     #[must_use]
     pub fn welded(&self) -> (Self, Weld) {
         let weld = self.weld();
-        let size = |vertex: u32| self.vertices()[vertex as usize].iter().map(|value| value.abs()).sum::<f64>();
+        let size =
+            |vertex: u32| self.vertices()[vertex as usize].iter().map(|value| value.abs()).sum::<f64>();
         let mut kept: Vec<u32> = (0u32..).take(self.vertices.len()).collect();
         for (&first, vertex) in weld.first.iter().zip(0u32..) {
             let best = &mut kept[first as usize];
             *best = if size(vertex) < size(*best) { vertex } else { *best };
         }
         let mut numbers = vec![0u32; self.vertices.len()];
-        let firsts: Vec<u32> =
-            (weld.first.iter().zip(0u32..)).filter(|(first, vertex)| *first == vertex).map(|(_, v)| v).collect();
+        let firsts: Vec<u32> = (weld.first.iter().zip(0u32..))
+            .filter(|(first, vertex)| *first == vertex)
+            .map(|(_, v)| v)
+            .collect();
         firsts.iter().zip(0u32..).for_each(|(&first, number)| numbers[first as usize] = number);
         let positions = firsts.iter().map(|&first| self.vertices()[kept[first as usize] as usize]).collect();
         let corner = |index: u32| numbers[weld.first[index as usize] as usize];

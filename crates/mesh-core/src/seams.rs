@@ -60,11 +60,8 @@ pub(crate) fn join(positions: &[Point3<f64>], triangles: &[[u32; 3]]) -> Option<
             continue;
         }
         let [a, b] = open[one].ends;
-        let [c, d] = if pair.same_direction {
-            open[other].ends
-        } else {
-            [open[other].ends[1], open[other].ends[0]]
-        };
+        let [c, d] =
+            if pair.same_direction { open[other].ends } else { [open[other].ends[1], open[other].ends[0]] };
         if groups.unite_both([a, c], [b, d], 2.0 * precision.largest) {
             (taken[one], taken[other]) = (true, true);
         }
@@ -103,7 +100,8 @@ fn open_edges(positions: &[Point3<f64>], triangles: &[[u32; 3]]) -> Vec<OpenEdge
     }
     edges.sort_unstable();
     let finite = |vertex: u32| is_finite(&positions[vertex as usize]);
-    let alone = edges.chunk_by(|one, other| (one.0, one.1) == (other.0, other.1)).filter(|same| same.len() == 1);
+    let alone =
+        edges.chunk_by(|one, other| (one.0, one.1) == (other.0, other.1)).filter(|same| same.len() == 1);
     alone
         .map(|same| {
             let (low, high, from, apex) = same[0];
@@ -155,9 +153,9 @@ impl Precision {
     }
 
     fn agree(&self, a: &Point3<f64>, b: &Point3<f64>) -> bool {
-        a.iter().zip(b.iter()).all(|(a, b)| {
-            (a - b).abs() <= self.absolute.max(self.relative * a.abs().max(b.abs()))
-        })
+        a.iter()
+            .zip(b.iter())
+            .all(|(a, b)| (a - b).abs() <= self.absolute.max(self.relative * a.abs().max(b.abs())))
     }
 }
 
@@ -197,7 +195,10 @@ fn matching_edges(positions: &[Point3<f64>], open: &[OpenEdge], precision: &Prec
     let cell = 2.0 * precision.largest;
     let end = |edge: &OpenEdge, end: usize| positions[edge.ends[end] as usize];
     let middle = |edge: &OpenEdge| nalgebra::center(&end(edge, 0), &end(edge, 1)).coords / cell;
-    #[expect(clippy::cast_possible_truncation, reason = "saturates, where cells are larger than numbers can tell")]
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "saturates, where cells are larger than numbers can tell"
+    )]
     let place = |edge: &OpenEdge| middle(edge).map(|value| value.floor() as i64);
     let mut cells: Vec<([i64; 3], u32)> = (open.iter().zip(0u32..))
         .filter(|(edge, _)| (end(edge, 1) - end(edge, 0)).norm() > 2.0 * precision.largest)
@@ -228,7 +229,10 @@ fn matching_edges(positions: &[Point3<f64>], open: &[OpenEdge], precision: &Prec
         }
     }
     pairs.sort_by(|a, b| {
-        a.distance.total_cmp(&b.distance).then(a.same_direction.cmp(&b.same_direction)).then(a.edges.cmp(&b.edges))
+        a.distance
+            .total_cmp(&b.distance)
+            .then(a.same_direction.cmp(&b.same_direction))
+            .then(a.edges.cmp(&b.edges))
     });
     pairs
 }
@@ -365,8 +369,9 @@ impl<'a> Groups<'a> {
         {
             return None;
         }
-        let gap =
-            |(&root, vertex): (&u32, u32)| (self.positions[vertex as usize] - self.positions[root as usize]).amax();
+        let gap = |(&root, vertex): (&u32, u32)| {
+            (self.positions[vertex as usize] - self.positions[root as usize]).amax()
+        };
         let largest = changed().map(gap).fold(0.0, f64::max);
         Some(Joined { roots, count, largest })
     }

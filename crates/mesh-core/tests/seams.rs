@@ -85,8 +85,10 @@ fn residues_beside_zero_leave_no_slit() {
 
 #[test]
 fn last_digits_of_a_text_leave_no_slit() {
-    let outline: Vec<[f64; 2]> =
-        (0..17).map(|i| f64::from(i) / 17.0 * std::f64::consts::TAU).map(|t| [3.0 + 2.0 * t.cos(), 2.5 + 2.0 * t.sin()]).collect();
+    let outline: Vec<[f64; 2]> = (0..17)
+        .map(|i| f64::from(i) / 17.0 * std::f64::consts::TAU)
+        .map(|t| [3.0 + 2.0 * t.cos(), 2.5 + 2.0 * t.sin()])
+        .collect();
     let exact = prism(&outline, 7.0 / 3.0);
     let as_text = |decimals: usize, scientific: bool| {
         let mut turn = 0;
@@ -134,7 +136,10 @@ fn what_is_apart_stays_apart() {
     }
     // A slit that is wider than rounding, in a box with one side moved out.
     let mut open = prism(&RECTANGLE, 2.0);
-    open.iter_mut().filter(|corners| corners.iter().all(|corner| corner[2] == 2.0)).flatten().for_each(|corner| corner[2] += 1e-6);
+    open.iter_mut()
+        .filter(|corners| corners.iter().all(|corner| corner[2] == 2.0))
+        .flatten()
+        .for_each(|corner| corner[2] += 1e-6);
     let topology = soup(&open).welded_topology();
     assert_eq!((topology.is_closed(), topology.boundary_edges), (false, 8));
     // The same with a small triangle whose side is within rounding: it must not vanish.

@@ -38,8 +38,18 @@ pub enum Format {
 
 impl Format {
     /// All formats.
-    pub const ALL: [Self; 10] =
-        [Self::Ply, Self::Xyz, Self::Csv, Self::Pts, Self::Ptx, Self::Obj, Self::Stl, Self::Off, Self::Pcd, Self::Json];
+    pub const ALL: [Self; 10] = [
+        Self::Ply,
+        Self::Xyz,
+        Self::Csv,
+        Self::Pts,
+        Self::Ptx,
+        Self::Obj,
+        Self::Stl,
+        Self::Off,
+        Self::Pcd,
+        Self::Json,
+    ];
 
     /// The format with a file name extension (without dot, in upper or lower case).
     #[must_use]
@@ -171,7 +181,9 @@ fn by_lines(head: &[u8]) -> Option<Format> {
         }
         let rest = line[word.len()..].trim_ascii_start();
         match word.to_ascii_lowercase().as_slice() {
-            b"v" | b"vn" | b"vt" | b"vp" | b"f" if number::starts_with_number(rest) => return Some(Format::Obj),
+            b"v" | b"vn" | b"vt" | b"vp" | b"f" if number::starts_with_number(rest) => {
+                return Some(Format::Obj);
+            }
             b"cstype" => return Some(Format::Obj),
             // Such a line may also be the header of a table; what follows decides.
             b"mtllib" | b"usemtl" | b"o" | b"g" | b"s" if mentions(head, &[b"\nv ", b"\rv ", b"\nv\t"]) => {

@@ -61,7 +61,8 @@ pub(crate) fn read(source: Source<'_>) -> Result<Parsed, Error> {
         scan += 1;
     }
     if points.missing > 0 {
-        warnings.push(format!("{} places of the grids hold no point (0 0 0) and were left out", points.missing));
+        warnings
+            .push(format!("{} places of the grids hold no point (0 0 0) and were left out", points.missing));
     }
     let mut attributes = Attributes::default();
     if points.width.is_some_and(|width| width > 3) {
@@ -107,14 +108,21 @@ impl Head {
                 .filter(|numbers| numbers.len() == length && numbers.iter().all(|number| number.is_finite()));
             let Some(found) = found else {
                 let what = format!("{} is not a line of {length} numbers", quoted(line.trim_ascii()));
-                return Err(source.line_error(at, what, "the pose of a scan has eight lines; export the file again"));
+                return Err(source.line_error(
+                    at,
+                    what,
+                    "the pose of a scan has eight lines; export the file again",
+                ));
             };
             if let Some(row) = place.checked_sub(4) {
                 found.iter().enumerate().for_each(|(column, &value)| matrix[(row, column)] = value);
                 // Points are rows here, so that the last column is fixed and the last row is the shift.
                 let last = if row == 3 { 1.0 } else { 0.0 };
                 if (matrix[(row, 3)] - last).abs() > 1e-9 {
-                    let what = format!("the matrix of the pose ends a line with {} instead of {last}", matrix[(row, 3)]);
+                    let what = format!(
+                        "the matrix of the pose ends a line with {} instead of {last}",
+                        matrix[(row, 3)]
+                    );
                     return Err(source.line_error(at, what, EXPORT));
                 }
             }
@@ -139,7 +147,8 @@ impl Points {
         source.check_promise(lines.offset(), "points", head.count, 6, true)?;
         for point in 0..head.count {
             let Some((at, line)) = lines.next() else {
-                let what = format!("the file ends after {point} of {} points of scan {}", head.count, scan + 1);
+                let what =
+                    format!("the file ends after {point} of {} points of scan {}", head.count, scan + 1);
                 return Err(source.line_error(source.data.len(), what, TRUNCATED));
             };
             let found = numbers(line).filter(|numbers| matches!(numbers.len(), 3 | 4 | 7));

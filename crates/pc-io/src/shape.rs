@@ -75,9 +75,17 @@ impl<'a> Shape<'a> {
             let name: String =
                 field.name().chars().map(|letter| if plain(letter) { letter } else { '_' }).collect();
             // Names are read back as such only under a name that says so.
-            let keeps = if is_names { crate::xyz::is_label(&name) } else { !name.is_empty() && !is_reserved(&name) };
-            let name = if keeps { name } else if is_names { "name".to_owned() } else { format!("text_{name}") };
-            let is_free = |name: &String| !taken.contains(name) && texts.iter().all(|(other, _)| other != name);
+            let keeps =
+                if is_names { crate::xyz::is_label(&name) } else { !name.is_empty() && !is_reserved(&name) };
+            let name = if keeps {
+                name
+            } else if is_names {
+                "name".to_owned()
+            } else {
+                format!("text_{name}")
+            };
+            let is_free =
+                |name: &String| !taken.contains(name) && texts.iter().all(|(other, _)| other != name);
             let numbered = || (2usize..).map(|number| format!("{name}_{number}")).find(|name| is_free(name));
             let free = if is_free(&name) { Some(name.clone()) } else { numbered() };
             texts.push((free.unwrap_or(name), field));

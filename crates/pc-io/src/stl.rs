@@ -57,7 +57,8 @@ fn starts_like_text(data: &[u8]) -> bool {
 /// Whether a beginning is that of a text file with facets, or of one that ends without any.
 pub(crate) fn looks_like_text(head: &[u8]) -> bool {
     let mentions = |word: &[u8]| head.windows(word.len()).any(|window| window.eq_ignore_ascii_case(word));
-    starts_like_text(head) && [b"facet normal".as_slice(), b"vertex", b"endsolid", b"end solid"].into_iter().any(mentions)
+    starts_like_text(head)
+        && [b"facet normal".as_slice(), b"vertex", b"endsolid", b"end solid"].into_iter().any(mentions)
 }
 
 /// Binary headers may begin with "solid" as well; the rest decides.
@@ -191,8 +192,15 @@ fn read_text(source: Source<'_>, soup: &mut Soup) -> Result<(), Error> {
 
 const EXPORT: &str = "correct the line or export the file again";
 
-const KEEPS: Keeps =
-    Keeps { normals: false, colours: false, opacity: false, scalars: false, texts: false, triangles: true, plane: false };
+const KEEPS: Keeps = Keeps {
+    normals: false,
+    colours: false,
+    opacity: false,
+    scalars: false,
+    texts: false,
+    triangles: true,
+    plane: false,
+};
 
 /// Writes binary STL: single precision, normals from the vertices.
 pub(crate) fn write(out: &mut dyn Write, shape: Shape<'_>, warnings: &mut Vec<String>) -> io::Result<()> {

@@ -22,7 +22,8 @@ fn refused(name: &str, data: &[u8]) -> String {
 
 /// A box of 4 × 3 × 2 as triangles of their own; the sides begin at `z`, the base at 0.
 fn box_soup(z: f64) -> Vec<[[f64; 3]; 3]> {
-    let p = |i: usize, z: f64| [[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]].map(|[x, y]| [x, y, z])[i % 4];
+    let p =
+        |i: usize, z: f64| [[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]].map(|[x, y]| [x, y, z])[i % 4];
     let mut out = vec![
         [p(0, 0.0), p(2, 0.0), p(1, 0.0)],
         [p(0, 0.0), p(3, 0.0), p(2, 0.0)],
@@ -51,7 +52,9 @@ fn text_stl(triangles: &[[[f64; 3]; 3]], digits: usize) -> String {
     let mut text = String::from("solid part\n");
     for corners in triangles {
         text.push_str("facet normal 0 0 0\nouter loop\n");
-        corners.iter().for_each(|[x, y, z]| text.push_str(&format!("vertex {x:.digits$e} {y:.digits$e} {z:.digits$e}\n")));
+        corners.iter().for_each(|[x, y, z]| {
+            text.push_str(&format!("vertex {x:.digits$e} {y:.digits$e} {z:.digits$e}\n"))
+        });
         text.push_str("endloop\nendfacet\n");
     }
     text + "endsolid part\n"
@@ -64,7 +67,9 @@ fn corners_of_an_stl_that_differ_by_rounding_are_one() {
     for data in [binary_stl(&soup, 12), text_stl(&soup, 8).into_bytes()] {
         let loaded = load("box.stl", &data).unwrap();
         assert_eq!((loaded.report.points, loaded.report.triangles), (8, 12));
-        let told = |warning: &String| warning.contains("4 corners that differ from others by rounding (2.5e-16 at most)");
+        let told = |warning: &String| {
+            warning.contains("4 corners that differ from others by rounding (2.5e-16 at most)")
+        };
         assert!(loaded.report.warnings.iter().any(told), "{}", loaded.report);
         let Content::Mesh(mesh) = loaded.content else { panic!() };
         assert!(mesh.topology().is_solid());
@@ -111,7 +116,10 @@ fn corners_repeated_for_texture_are_one() {
 fn ascii_stl_is_read_without_its_name_and_with_words_apart() {
     let whole = text_stl(&box_soup(0.0), 3);
     let variants = [
-        whole.replace("endsolid", "end solid").replace("endfacet", "end facet").replace("endloop", "end loop"),
+        whole
+            .replace("endsolid", "end solid")
+            .replace("endfacet", "end facet")
+            .replace("endloop", "end loop"),
         whole.replace("solid part\n", "").replace("end", "end"),
         whole.lines().filter(|line| !line.contains("solid")).map(|line| format!("{line}\r\n")).collect(),
         whole.to_uppercase(),
@@ -123,7 +131,11 @@ fn ascii_stl_is_read_without_its_name_and_with_words_apart() {
     for text in variants {
         for name in ["a.stl", "a.txt"] {
             let loaded = load(name, text.as_bytes()).unwrap_or_else(|error| panic!("{error}\n{text}"));
-            assert_eq!((loaded.report.points, loaded.report.triangles, loaded.report.format), (8, 12, Format::Stl), "{text}");
+            assert_eq!(
+                (loaded.report.points, loaded.report.triangles, loaded.report.format),
+                (8, 12, Format::Stl),
+                "{text}"
+            );
         }
     }
     let nested = whole.replacen("endfacet\n", "", 1);
@@ -141,8 +153,16 @@ fn counts_that_say_less_than_follows_are_errors() {
         ("a.off", "OFF\n0 0 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "line 3"),
         ("b.off", "OFF\n3 0 0\n0 0 0\n1 0 0\n0 1 0\n# faces\n3 0 1 2\n", "line 7"),
         ("c.off", "OFF\n2 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "line"),
-        ("a.ply", "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nend_header\n1 2\n", "line 7"),
-        ("a.pcd", "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 0\nHEIGHT 1\nPOINTS 0\nDATA ascii\n1 2 3\n", "line 10"),
+        (
+            "a.ply",
+            "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nend_header\n1 2\n",
+            "line 7",
+        ),
+        (
+            "a.pcd",
+            "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 0\nHEIGHT 1\nPOINTS 0\nDATA ascii\n1 2 3\n",
+            "line 10",
+        ),
     ] {
         let message = refused(name, text.as_bytes());
         assert!(message.starts_with(place), "{name}: {message}");
@@ -155,7 +175,11 @@ fn counts_that_say_less_than_follows_are_errors() {
         ("a.obj", b"# nothing\no thing\n".to_vec()),
     ] {
         let loaded = load(name, &data).unwrap();
-        assert!(loaded.report.warnings.iter().any(|warning| warning.contains("holds no")), "{name}: {}", loaded.report);
+        assert!(
+            loaded.report.warnings.iter().any(|warning| warning.contains("holds no")),
+            "{name}: {}",
+            loaded.report
+        );
         if let Content::Mesh(mesh) = loaded.content {
             assert!(mesh.area().is_sign_positive());
         }
@@ -165,7 +189,15 @@ fn counts_that_say_less_than_follows_are_errors() {
 /// Three points as binary PLY with the line ends given.
 fn ply(ending: &str, little: bool) -> Vec<u8> {
     let order = if little { "little" } else { "big" };
-    let header = ["ply", &format!("format binary_{order}_endian 1.0"), "element vertex 3", "property float x", "property float y", "property float z", "end_header"];
+    let header = [
+        "ply",
+        &format!("format binary_{order}_endian 1.0"),
+        "element vertex 3",
+        "property float x",
+        "property float y",
+        "property float z",
+        "end_header",
+    ];
     let mut data: Vec<u8> = header.iter().flat_map(|line| format!("{line}{ending}").into_bytes()).collect();
     for value in [1.0f32, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0] {
         data.extend(if little { value.to_le_bytes() } else { value.to_be_bytes() });
@@ -177,7 +209,9 @@ fn ply(ending: &str, little: bool) -> Vec<u8> {
 fn binary_ply_is_read_whatever_its_line_ends_are() {
     for ending in ["\n", "\r\n", "\r", "\n\r"] {
         for little in [true, false] {
-            let Content::Cloud(cloud) = load("a.ply", &ply(ending, little)).unwrap().content else { panic!() };
+            let Content::Cloud(cloud) = load("a.ply", &ply(ending, little)).unwrap().content else {
+                panic!()
+            };
             assert_eq!(cloud.positions()[2], Point3::new(7.0, 8.0, 9.0), "{ending:?}");
             assert_eq!(cloud.positions()[0], Point3::new(1.0, 2.0, 3.0), "{ending:?}");
             let mut more = ply(ending, little);
@@ -215,7 +249,10 @@ fn off_is_read_in_free_format() {
         assert_eq!((found.vertices(), found.triangles()), (right.vertices(), right.triangles()), "{text}");
     }
     let coloured = "COFF 3 1 0 0 0 0 255 0 0 255 1 0 0 0 255 0 255 0 1 0 0 0 255 128 3 0 1 2";
-    assert_eq!(mesh("a.off", coloured.as_bytes()).attributes().colours().unwrap().rgba(2), Some([0, 0, 255, 128]));
+    assert_eq!(
+        mesh("a.off", coloured.as_bytes()).attributes().colours().unwrap().rgba(2),
+        Some([0, 0, 255, 128])
+    );
     assert!(refused("a.off", lines.replace("3 2 0 3", "3 2 0 4").as_bytes()).starts_with("line 10"));
 }
 
@@ -255,7 +292,11 @@ fn ptx_scans_are_put_at_their_poses() {
     let second = ptx([0.0, 0.0, 100.0], [0.0, 1.0], &["1 2 3 0.75", "0 0 0 0"]);
     let loaded = load("a.txt", (first.clone() + &second).as_bytes()).unwrap();
     assert_eq!(loaded.report.format, Format::Ptx);
-    assert!(loaded.report.warnings.iter().any(|warning| warning.starts_with("2 places")), "{}", loaded.report);
+    assert!(
+        loaded.report.warnings.iter().any(|warning| warning.starts_with("2 places")),
+        "{}",
+        loaded.report
+    );
     let Content::Cloud(cloud) = loaded.content else { panic!() };
     let right = [[11.0, 2.0, 3.0], [14.0, 5.0, 6.0], [10.0, 0.0, 1.0], [-2.0, 1.0, 103.0]];
     assert_eq!(cloud.positions(), right.map(Point3::from));

@@ -83,17 +83,27 @@ fn rational_curves_of_obj_keep_their_weights() {
 
 #[test]
 fn what_is_left_out_of_free_form_obj_is_told() {
-    let trimmed = PATCH.replace("end\n", "trim 0 1 1\nhole 0 1 2\nend\nvp 0 0\nvp 1 1\ncurv2 1 2\nparm u 0 1\nend\n");
+    let trimmed =
+        PATCH.replace("end\n", "trim 0 1 1\nhole 0 1 2\nend\nvp 0 0\nvp 1 1\ncurv2 1 2\nparm u 0 1\nend\n");
     let (_, warnings) = load("trimmed.obj", &trimmed).unwrap();
     assert!(warnings[0].contains("2 trimming loops"), "{warnings:?}");
     let both = format!("{PATCH}f 1 2 3\n");
     let loaded = read_bytes(both.as_bytes(), None, &ReadOptions::default()).unwrap();
-    assert!(loaded.report.warnings.iter().any(|w| w.contains("1 free-form curves and surfaces beside polygons")));
+    assert!(
+        loaded.report.warnings.iter().any(|w| w.contains("1 free-form curves and surfaces beside polygons"))
+    );
     let other = PATCH.replace("bspline", "bmatrix");
     let loaded = read_bytes(other.as_bytes(), None, &ReadOptions::default()).unwrap();
-    assert!(loaded.report.warnings.iter().any(|w| w.contains("neither bspline nor bezier")), "{}", loaded.report);
+    assert!(
+        loaded.report.warnings.iter().any(|w| w.contains("neither bspline nor bezier")),
+        "{}",
+        loaded.report
+    );
     for (text, message) in [
-        (PATCH.replace("parm u 0 0 0 0 1 1 1 1\n", ""), "line 19: a line \"parm u\" with the knots is missing"),
+        (
+            PATCH.replace("parm u 0 0 0 0 1 1 1 1\n", ""),
+            "line 19: a line \"parm u\" with the knots is missing",
+        ),
         (PATCH.replace("parm u 0 0 0 0 1", "parm u 0 0 0 0 2"), "line 19: parm u: "),
         (PATCH.replace(" 12 16", " 12"), "line 19: 15 control points do not fit 4 × 4"),
         (PATCH.replace(" 12 16", " 12 17"), "line 19: vertex 17 does not exist"),
@@ -137,7 +147,10 @@ fn json_of_geomdl_is_read_as_geomdl_evaluates_it() {
     }
     let (model, _) = load("curves.json", CURVES).unwrap();
     assert_eq!((model.shapes().len(), model.name(0), model.name(1)), (2, None, Some("arc")));
-    assert_near(&point(&model.shapes()[0], [0.3, 0.0]), &[1.7459999999999998, 1.7639999999999998, 0.32399999999999995]);
+    assert_near(
+        &point(&model.shapes()[0], [0.3, 0.0]),
+        &[1.7459999999999998, 1.7639999999999998, 0.32399999999999995],
+    );
     assert_near(&point(&model.shapes()[1], [0.3, 0.0]), &[0.8973756499953727, 0.4412674277525846, 0.0]);
     // The quarter circle in the plane, alone instead of in a list.
     let circle = r#"{"shape":{"type":"curve","data":{"degree":2,"knotvector":[0,0,0,1,1,1],
@@ -145,9 +158,16 @@ fn json_of_geomdl_is_read_as_geomdl_evaluates_it() {
     let (model, _) = load("circle.json", circle).unwrap();
     let p = point(&model.shapes()[0], [0.5, 0.0]);
     assert!(p.len() == 2 && (p[0].hypot(p[1]) - 1.0).abs() < 1e-15);
-    let trimmed = SURFACE.replace("\"delta\"", "\"reversed\": 1, \"trims\": {\"count\": 1, \"data\": [{\"type\": \"spline\"}]}, \"delta\"");
+    let trimmed = SURFACE.replace(
+        "\"delta\"",
+        "\"reversed\": 1, \"trims\": {\"count\": 1, \"data\": [{\"type\": \"spline\"}]}, \"delta\"",
+    );
     let (_, warnings) = load("trimmed.json", &trimmed).unwrap();
-    assert!(warnings[0].contains("trimming curves of 1 surfaces") && warnings[1].contains("1 shapes are reversed"), "{warnings:?}");
+    assert!(
+        warnings[0].contains("trimming curves of 1 surfaces")
+            && warnings[1].contains("1 shapes are reversed"),
+        "{warnings:?}"
+    );
 }
 
 #[test]
@@ -162,7 +182,10 @@ fn json_of_geomdl_that_is_no_curve_or_surface_is_refused() {
         (CURVES.replacen("\"spline\"", "\"freeform\"", 1), "freeform"),
         ("{\"shape\": 5}".to_owned(), "neither a field \"kind\""),
         ("{\"degree\": 3}".to_owned(), "neither a field \"kind\""),
-        ("{\"kind\": \"model\", \"shapes\": [{\"degree\": 1}]}".to_owned(), "shape 0: the field \"kind\" is missing"),
+        (
+            "{\"kind\": \"model\", \"shapes\": [{\"degree\": 1}]}".to_owned(),
+            "shape 0: the field \"kind\" is missing",
+        ),
     ] {
         let found = load("bad.json", &text).unwrap_err();
         assert!(found.contains(message), "{message}: {found}");

@@ -10,7 +10,10 @@ fn load(name: &str, data: &[u8]) -> Result<Loaded<Content>, Error> {
 }
 
 fn cloud(name: &str, data: &[u8]) -> PointCloud {
-    match load(name, data).unwrap_or_else(|error| panic!("{:?}: {error}", String::from_utf8_lossy(data))).content {
+    match load(name, data)
+        .unwrap_or_else(|error| panic!("{:?}: {error}", String::from_utf8_lossy(data)))
+        .content
+    {
         Content::Cloud(cloud) => cloud,
         other => panic!("{}", other.describe()),
     }
@@ -43,7 +46,10 @@ fn decimal_commas_are_read_where_nothing_else_can_be_meant() {
         assert_eq!(points(name, text.as_bytes()), right, "{name}");
     }
     let mixed = cloud("mixed.csv", b"name;x;y;z\nP1;1,5;2;3\nP2;2,5;3,25;-4\n");
-    assert_eq!(mixed.positions().iter().map(|&p| p.into()).collect::<Vec<[f64; 3]>>(), [[1.5, 2.0, 3.0], [2.5, 3.25, -4.0]]);
+    assert_eq!(
+        mixed.positions().iter().map(|&p| p.into()).collect::<Vec<[f64; 3]>>(),
+        [[1.5, 2.0, 3.0], [2.5, 3.25, -4.0]]
+    );
     assert_eq!(names(mixed.attributes()), ["P1", "P2"]);
     // A comma far down, behind lines without any.
     let mut text = "1;2;3\n".repeat(1000);
@@ -123,9 +129,18 @@ fn lists_of_surveyors_keep_numbers_apart_from_coordinates() {
         ("bare.txt", "101 500000.12 4500000.50 12.10\n102 500001.12 4500000.50 12.20\n"),
         ("german.csv", "101;500000,12;4500000,50;12,10;Baum\n102;500001,12;4500000,50;12,20;\n"),
         ("words.txt", "101 500000.12 4500000.50 12.10 OLD TREE\n102 500001.12 4500000.50 12.20\n"),
-        ("header.csv", "Point,Northing (m),Easting (m),Elev.,Desc\n101,4500000.50,500000.12,12.10,TREE\n102,4500000.50,500001.12,12.20,POLE\n"),
-        ("letters.csv", "P,E,N,H,Code\n101,500000.12,4500000.50,12.10,TREE\n102,500001.12,4500000.50,12.20,POLE\n"),
-        ("gauss.txt", "Nr\tRechtswert\tHochwert\tHöhe\n101\t500000,12\t4500000,50\t12,10\n102\t500001,12\t4500000,50\t12,20\n"),
+        (
+            "header.csv",
+            "Point,Northing (m),Easting (m),Elev.,Desc\n101,4500000.50,500000.12,12.10,TREE\n102,4500000.50,500001.12,12.20,POLE\n",
+        ),
+        (
+            "letters.csv",
+            "P,E,N,H,Code\n101,500000.12,4500000.50,12.10,TREE\n102,500001.12,4500000.50,12.20,POLE\n",
+        ),
+        (
+            "gauss.txt",
+            "Nr\tRechtswert\tHochwert\tHöhe\n101\t500000,12\t4500000,50\t12,10\n102\t500001,12\t4500000,50\t12,20\n",
+        ),
     ] {
         let found = cloud(name, text.as_bytes());
         assert_eq!(found.positions().iter().map(|&p| p.into()).collect::<Vec<[f64; 3]>>(), right, "{name}");
@@ -136,9 +151,14 @@ fn lists_of_surveyors_keep_numbers_apart_from_coordinates() {
     let text = cloud("survey.csv", b"101,1.5,2.5,3.5,TREE\n102,1.5,2.5,3.5,POLE\n");
     assert_eq!(text.attributes().texts()[0].iter().collect::<Vec<_>>(), ["TREE", "POLE"]);
     // Coordinates and an intensity stay what they are.
-    for text in ["1 2.5 3.5 4\n2 2.5 3.5 5\n", "1.0 2.5 3.5 4.5\n2.0 2.5 3.5 5.5\n", "7 2.5 3.5 4.5\n7 2.5 3.5 5.5\n"] {
+    for text in
+        ["1 2.5 3.5 4\n2 2.5 3.5 5\n", "1.0 2.5 3.5 4.5\n2.0 2.5 3.5 5.5\n", "7 2.5 3.5 4.5\n7 2.5 3.5 5.5\n"]
+    {
         let found = cloud("scan.xyz", text.as_bytes());
-        assert!(found.attributes().scalar("intensity").is_some() && found.attributes().names().is_none(), "{text}");
+        assert!(
+            found.attributes().scalar("intensity").is_some() && found.attributes().names().is_none(),
+            "{text}"
+        );
     }
 }
 
@@ -153,7 +173,10 @@ fn oddities_of_tables_are_passed_over() {
         ("comment.xyz", "1 2 3 # first\n2 3 4 // second\n"),
         ("percent.txt", "% of a program\n1 2 3 % first\n! and\n2 3 4\n"),
         ("comment.csv", "x,y,z // names\n1,2,3 # one, two\n2,3,4\n"),
-        ("preamble.csv", "Export of 2024-05-06\r\nOperator: Müller; Meier\r\n\r\nx;y;z\r\n1;2;3\r\n2;3;4\r\n"),
+        (
+            "preamble.csv",
+            "Export of 2024-05-06\r\nOperator: Müller; Meier\r\n\r\nx;y;z\r\n1;2;3\r\n2;3;4\r\n",
+        ),
         ("brackets.csv", "x[mm],y[mm],z[mm]\n1,2,3\n2,3,4\n"),
         ("coordinates.csv", "X-Koordinate;Y-Koordinate;Z-Koordinate\n1;2;3\n2;3;4\n"),
         ("slash.csv", "X/mm;Y/mm;Z/mm\n1;2;3\n2;3;4\n"),
@@ -169,7 +192,10 @@ fn oddities_of_tables_are_passed_over() {
     // UTF-16 of both orders, with and without a mark.
     let wide = |order: fn(u16) -> [u8; 2], mark: bool| -> Vec<u8> {
         let mark = mark.then_some(0xfeff);
-        mark.into_iter().chain("x\ty\tz\r\n1,0\t2,0\t3,0\r\n2,0\t3,0\t4,0\r\n".encode_utf16()).flat_map(order).collect()
+        mark.into_iter()
+            .chain("x\ty\tz\r\n1,0\t2,0\t3,0\r\n2,0\t3,0\t4,0\r\n".encode_utf16())
+            .flat_map(order)
+            .collect()
     };
     for mark in [true, false] {
         assert_eq!(points("a.txt", &wide(u16::to_le_bytes, mark)), right);
@@ -188,7 +214,11 @@ fn empty_cells_are_nan_and_told() {
     ] {
         let loaded = load(name, text.as_bytes()).unwrap();
         assert_eq!((loaded.report.points, loaded.report.non_finite), (2, 1), "{name}");
-        assert!(loaded.report.warnings.iter().any(|warning| warning.contains("1 empty")), "{}", loaded.report);
+        assert!(
+            loaded.report.warnings.iter().any(|warning| warning.contains("1 empty")),
+            "{}",
+            loaded.report
+        );
     }
 }
 
@@ -213,7 +243,8 @@ fn broken_lines_are_errors_with_their_line() {
 
 #[test]
 fn names_survive_where_a_format_can_hold_them() {
-    let text = "name;x;y;z;intensity;code\n\"a;b\";1;2;3;5;\n;2;3;4;6;two words\n\"q\"\"q\";0,5;1e-3;-2;7;x#y\n";
+    let text =
+        "name;x;y;z;intensity;code\n\"a;b\";1;2;3;5;\n;2;3;4;6;two words\n\"q\"\"q\";0,5;1e-3;-2;7;x#y\n";
     let scan = cloud("scan.csv", text.as_bytes());
     let right = (vec!["a;b", "", "q\"q"], vec!["", "two words", "x#y"]);
     let dir = tempfile::tempdir().unwrap();
@@ -229,7 +260,10 @@ fn names_survive_where_a_format_can_hold_them() {
     }
     for name in ["a.pcd", "a.pts", "a.obj", "a.off"] {
         let written = pc_io::write_cloud(dir.path().join(name), &scan, &WriteOptions::default()).unwrap();
-        assert!(written.warnings.iter().any(|warning| warning.contains("names of the points")), "{name}: {written}");
+        assert!(
+            written.warnings.iter().any(|warning| warning.contains("names of the points")),
+            "{name}: {written}"
+        );
     }
     // Points that are dropped take their names with them.
     let options = ReadOptions::default().with_drop_non_finite(true);

@@ -62,7 +62,12 @@ fn compare(folder: &Path, out: &Path) -> Result<(), Failure> {
                 match difference(&ours, &theirs, text("kind") == "set") {
                     Some(0.0) => counts.same += 1,
                     Some(gap) if gap <= ROUNDING => counts.rounded += 1,
-                    gap => counts.different.push(format!("{} ({} of {}): {gap:?}", text("path"), ours.len(), theirs.len())),
+                    gap => counts.different.push(format!(
+                        "{} ({} of {}): {gap:?}",
+                        text("path"),
+                        ours.len(),
+                        theirs.len()
+                    )),
                 }
             }
         }
@@ -97,7 +102,8 @@ fn theirs(folder: &Path, out: &Path) -> Result<String, Failure> {
 }
 
 fn numbers(path: &Path) -> Result<Vec<f64>, Failure> {
-    let data = std::fs::read(path).map_err(|error| Failure::Failed(format!("{}: {error}", path.display())))?;
+    let data =
+        std::fs::read(path).map_err(|error| Failure::Failed(format!("{}: {error}", path.display())))?;
     let number = |bytes: &[u8]| <[u8; 8]>::try_from(bytes).map(f64::from_le_bytes).unwrap_or(f64::NAN);
     Ok(data.chunks_exact(8).map(number).collect())
 }
@@ -131,8 +137,13 @@ fn difference(ours: &[f64], theirs: &[f64], is_set: bool) -> Option<f64> {
     if ours.len() != theirs.len() {
         return None;
     }
-    let largest = theirs.iter().copied().filter(|value| value.is_finite()).fold(f64::MIN_POSITIVE, |a, b| a.max(b.abs()));
-    let gap = |(a, b): (&f64, &f64)| if a == b || a.is_nan() && b.is_nan() { 0.0 } else { (a - b).abs() / largest };
+    let largest = theirs
+        .iter()
+        .copied()
+        .filter(|value| value.is_finite())
+        .fold(f64::MIN_POSITIVE, |a, b| a.max(b.abs()));
+    let gap =
+        |(a, b): (&f64, &f64)| if a == b || a.is_nan() && b.is_nan() { 0.0 } else { (a - b).abs() / largest };
     let gaps = ours.iter().zip(theirs).map(gap);
     Some(gaps.fold(0.0, |most: f64, gap| if gap > most || gap.is_nan() { gap } else { most }))
 }

@@ -41,7 +41,9 @@ Examples:
 pub(crate) fn run(args: &Args, report: &mut Report) -> Result<Outcome, Error> {
     files::check_writable(&args.output, &[&args.input])?;
     let mut timings = Timings::default();
-    let options = ReadOptions::default().with_drop_non_finite(args.drop_non_finite).with_decimal_comma(args.decimal_comma);
+    let options = ReadOptions::default()
+        .with_drop_non_finite(args.drop_non_finite)
+        .with_decimal_comma(args.decimal_comma);
     let loaded = Timings::measure(&mut timings.read, || files::read(&args.input, &options))?;
     report.inputs.push(Input::new("file", &args.input, &loaded.report));
     let options = WriteOptions::default().with_ascii(args.ascii);

@@ -98,10 +98,13 @@ pub(super) fn read(part: &Part<'_>, warnings: &mut Vec<String>) -> Result<Option
         model.push(shape, name);
     }
     if trimmed > 0 {
-        warnings.push(format!("not read: the trimming curves of {trimmed} surfaces, which are taken as a whole"));
+        warnings
+            .push(format!("not read: the trimming curves of {trimmed} surfaces, which are taken as a whole"));
     }
     if reversed > 0 {
-        warnings.push(format!("not read: that {reversed} shapes are reversed; their normals are those of the parameters"));
+        warnings.push(format!(
+            "not read: that {reversed} shapes are reversed; their normals are those of the parameters"
+        ));
     }
     Ok(Some(model))
 }
@@ -111,7 +114,9 @@ impl Spline {
         let missing = |field: &str| format!("the field {field:?} is missing");
         match self.kind.as_deref() {
             None | Some("spline") => {}
-            Some(other) => return Err(format!("the type {other:?} is not \"spline\", and has no control points")),
+            Some(other) => {
+                return Err(format!("the type {other:?} is not \"spline\", and has no control points"));
+            }
         }
         if self.degree_w.is_some() {
             return Err("a volume is neither a curve nor a surface".to_owned());
@@ -152,9 +157,9 @@ impl Spline {
 
 fn vectors<const D: usize>(points: &[Vec<f64>]) -> Result<Vec<SVector<f64, D>>, String> {
     let vector = |(index, point): (usize, &Vec<f64>)| {
-        <[f64; D]>::try_from(point.as_slice()).map(SVector::from).map_err(|_| {
-            format!("control point {index} has {} coordinates, not {D}", point.len())
-        })
+        <[f64; D]>::try_from(point.as_slice())
+            .map(SVector::from)
+            .map_err(|_| format!("control point {index} has {} coordinates, not {D}", point.len()))
     };
     points.iter().enumerate().map(vector).collect()
 }

@@ -153,7 +153,17 @@ impl FreeForm {
         }
         let name = self.name.clone();
         let (degrees, parameters) = (self.degrees, [Vec::new(), Vec::new()]);
-        self.elements.push(Element { at, is_surface, basis, rational, degrees, domain, points, parameters, name });
+        self.elements.push(Element {
+            at,
+            is_surface,
+            basis,
+            rational,
+            degrees,
+            domain,
+            points,
+            parameters,
+            name,
+        });
         self.open = true;
         Ok(())
     }
@@ -175,16 +185,20 @@ impl FreeForm {
             }
             let name = element.name.take();
             let place = Place::Line(source.line_at(element.at));
-            let shape = element
-                .build(positions, weights)
-                .map_err(|what| Error::malformed(place, what, "correct the curve or surface or export the file again"))?;
+            let shape = element.build(positions, weights).map_err(|what| {
+                Error::malformed(place, what, "correct the curve or surface or export the file again")
+            })?;
             model.push(shape, name);
         }
         if others > 0 {
-            warnings.push(format!("not read: {others} curves and surfaces that are neither bspline nor bezier"));
+            warnings
+                .push(format!("not read: {others} curves and surfaces that are neither bspline nor bezier"));
         }
         if self.trimmed > 0 {
-            warnings.push(format!("not read: {} trimming loops and holes; surfaces are taken as a whole", self.trimmed));
+            warnings.push(format!(
+                "not read: {} trimming loops and holes; surfaces are taken as a whole",
+                self.trimmed
+            ));
         }
         Ok(model)
     }
@@ -197,13 +211,18 @@ fn bad(source: Source<'_>, at: usize, line: &[u8], wanted: &str) -> Error {
 impl Element {
     fn build(self, positions: &[Point3<f64>], weights: &[f64]) -> Result<Shape, String> {
         let failed = |error: nurbs_core::Error| error.to_string();
-        let missing = |&index: &u32| format!("vertex {} does not exist, there are {}", u64::from(index) + 1, positions.len());
+        let missing = |&index: &u32| {
+            format!("vertex {} does not exist, there are {}", u64::from(index) + 1, positions.len())
+        };
         let points: Vec<Vector3<f64>> = (self.points.iter())
-            .map(|index| positions.get(*index as usize).map(|point| point.coords).ok_or_else(|| missing(index)))
+            .map(|index| {
+                positions.get(*index as usize).map(|point| point.coords).ok_or_else(|| missing(index))
+            })
             .collect::<Result<_, _>>()?;
         let of = |index: &u32| weights.get(*index as usize).copied().unwrap_or(1.0);
         let weights: Vec<f64> = self.points.iter().map(of).collect();
-        let weights = Some(weights).filter(|weights| self.rational && weights.iter().any(|&weight| weight != 1.0));
+        let weights =
+            Some(weights).filter(|weights| self.rational && weights.iter().any(|&weight| weight != 1.0));
         let u = self.knots(0)?;
         let interval = |[from, to]: [f64; 2]| Interval::new(from, to).map_err(failed);
         if !self.is_surface {
@@ -216,7 +235,10 @@ impl Element {
         let v = self.knots(1)?;
         let (n, m) = (u.basis_count(), v.basis_count());
         if points.len() != n.saturating_mul(m) {
-            return Err(format!("{} control points do not fit {n} × {m} of the degrees and parm lines", points.len()));
+            return Err(format!(
+                "{} control points do not fit {n} × {m} of the degrees and parm lines",
+                points.len()
+            ));
         }
         // The first direction runs fastest in the file, the second here.
         let order = || (0..n).flat_map(|i| (0..m).map(move |j| j * n + i));

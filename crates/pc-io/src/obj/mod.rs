@@ -49,8 +49,30 @@ pub(crate) fn read(source: Source<'_>) -> Result<Parsed, Error> {
 
 /// Statements without points.
 const OTHERS: [&[u8]; 24] = [
-    b"vp", b"p", b"l", b"g", b"o", b"s", b"mg", b"mtllib", b"usemtl", b"maplib", b"usemap", b"bevel", b"c_interp",
-    b"d_interp", b"lod", b"shadow_obj", b"trace_obj", b"ctech", b"stech", b"call", b"csh", b"con", b"res", b"cdres",
+    b"vp",
+    b"p",
+    b"l",
+    b"g",
+    b"o",
+    b"s",
+    b"mg",
+    b"mtllib",
+    b"usemtl",
+    b"maplib",
+    b"usemap",
+    b"bevel",
+    b"c_interp",
+    b"d_interp",
+    b"lod",
+    b"shadow_obj",
+    b"trace_obj",
+    b"ctech",
+    b"stech",
+    b"call",
+    b"csh",
+    b"con",
+    b"res",
+    b"cdres",
 ];
 
 /// The line that begins at an offset.
@@ -256,7 +278,10 @@ impl Reader<'_> {
                 return Ok(Parsed::model(Format::Obj, model, warnings));
             }
         } else if free_form.any() {
-            warnings.push(format!("not read: {} free-form curves and surfaces beside polygons", free_form.count()));
+            warnings.push(format!(
+                "not read: {} free-form curves and surfaces beside polygons",
+                free_form.count()
+            ));
         }
         let weighted = self.weights.iter().filter(|&&weight| weight != 1.0).count();
         if weighted > 0 {

@@ -141,8 +141,15 @@ fn read_as(
         }
     }
     if let Some((at, word)) = tokens.next() {
-        let what = format!("{} follows after {count} vertices and {faces} faces, as many as the file says it has", quoted(word));
-        return Err(tokens.source.line_error(at, what, "correct the numbers of vertices and faces, or export the file again"));
+        let what = format!(
+            "{} follows after {count} vertices and {faces} faces, as many as the file says it has",
+            quoted(word)
+        );
+        return Err(tokens.source.line_error(
+            at,
+            what,
+            "correct the numbers of vertices and faces, or export the file again",
+        ));
     }
     if coloured > 0 {
         warnings.push(format!("not read: colours of {coloured} faces"));
@@ -161,7 +168,8 @@ fn read_face(tokens: &mut Tokens<'_>, vertices: u64, fans: &mut Fans) -> Result<
     })?;
     let mut corners = Vec::new();
     for _ in 0..length {
-        let index = tokens.next().and_then(|(_, word)| number::parse_count(word)).filter(|&index| index < vertices);
+        let index =
+            tokens.next().and_then(|(_, word)| number::parse_count(word)).filter(|&index| index < vertices);
         match index.and_then(|index| u32::try_from(index).ok()) {
             Some(index) => corners.push(index),
             None => {

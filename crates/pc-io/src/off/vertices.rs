@@ -59,7 +59,12 @@ impl Vertices {
     }
 
     /// Reads as many numbers as a vertex has, whatever the lines are.
-    pub(super) fn read_numbers(&mut self, tokens: &mut Tokens<'_>, vertex: u64, channels: usize) -> Result<(), Error> {
+    pub(super) fn read_numbers(
+        &mut self,
+        tokens: &mut Tokens<'_>,
+        vertex: u64,
+        channels: usize,
+    ) -> Result<(), Error> {
         let mut numbers = [0.0; 12];
         let channels = if self.header.colours { channels } else { 0 };
         let length = self.least() + channels + self.texture();
@@ -109,11 +114,13 @@ impl Vertices {
             attributes.set_normals(Some(normals));
         }
         if header.colours && !positions.is_empty() {
-            if !channels.is_empty() && channels.iter().all(|channel| channel.values.len() == positions.len()) {
+            if !channels.is_empty() && channels.iter().all(|channel| channel.values.len() == positions.len())
+            {
                 attributes.set_colours(colours(&channels.iter().collect::<Vec<_>>(), warnings));
             } else {
                 warnings.push(
-                    "the vertices have not three or four colour numbers each; colours were not read".to_owned(),
+                    "the vertices have not three or four colour numbers each; colours were not read"
+                        .to_owned(),
                 );
             }
         }

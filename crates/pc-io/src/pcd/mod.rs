@@ -141,7 +141,10 @@ fn read_text(source: Source<'_>, header: &Header, columns: &mut [PcdColumn]) -> 
         }
     }
     if let Some((at, line)) = lines.find(|(_, line)| !line.trim_ascii().is_empty()) {
-        let what = format!("{} follows after the {points} points that the header tells of", quoted(line.trim_ascii()));
+        let what = format!(
+            "{} follows after the {points} points that the header tells of",
+            quoted(line.trim_ascii())
+        );
         return Err(source.line_error(at, what, "correct POINTS, or WIDTH and HEIGHT, in the header"));
     }
     Ok(())
@@ -159,11 +162,7 @@ fn float_bits(number: f64) -> f64 {
     f64::from((number as f32).to_bits())
 }
 
-fn read_binary(
-    source: Source<'_>,
-    header: &Header,
-    columns: &mut [PcdColumn],
-) -> Result<(), Error> {
+fn read_binary(source: Source<'_>, header: &Header, columns: &mut [PcdColumn]) -> Result<(), Error> {
     let stride: usize = header.fields.iter().map(Field::bytes).sum();
     let points = source.check_promise(header.end, "points", header.points, stride.max(1), false)?;
     let (rows, rest) = source.data[header.end..].split_at(points * stride);
@@ -196,11 +195,7 @@ fn check_rest(rest: &[u8], source: Source<'_>) -> Result<(), Error> {
 }
 
 /// Compressed points are stored field by field.
-fn read_compressed(
-    source: Source<'_>,
-    header: &Header,
-    columns: &mut [PcdColumn],
-) -> Result<(), Error> {
+fn read_compressed(source: Source<'_>, header: &Header, columns: &mut [PcdColumn]) -> Result<(), Error> {
     if header.points == 0 {
         return Ok(());
     }

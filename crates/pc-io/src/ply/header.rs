@@ -88,7 +88,8 @@ pub(super) fn read(source: Source<'_>) -> Result<Header, Error> {
             Some(b"end_header") => {
                 let encoding = encoding
                     .ok_or_else(|| source.line_error(at, "the header has no line \"format\"", EXPORT))?;
-                let mut end = if lone_return { (at + line.len() + 1).min(data.len()) } else { lines.offset() };
+                let mut end =
+                    if lone_return { (at + line.len() + 1).min(data.len()) } else { lines.offset() };
                 if reversed && data.get(end) == Some(&b'\r') {
                     end += 1;
                 }

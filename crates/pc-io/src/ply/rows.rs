@@ -39,7 +39,10 @@ impl<'a> Rows<'a> {
     pub(super) fn check_end(&self, elements: &[Element]) -> Result<(), Error> {
         let rest = self.source.data.get(self.at..).unwrap_or_default();
         let is_text = self.encoding == Encoding::Ascii;
-        if rest.is_empty() || matches!(rest, b"\n" | b"\r" | b"\r\n") || is_text && rest.trim_ascii().is_empty() {
+        if rest.is_empty()
+            || matches!(rest, b"\n" | b"\r" | b"\r\n")
+            || is_text && rest.trim_ascii().is_empty()
+        {
             return Ok(());
         }
         let counts: Vec<String> =

@@ -7,8 +7,15 @@ use mesh_core::TextField;
 use crate::shape::{Keeps, Shape};
 use crate::write_number;
 
-const KEEPS: Keeps =
-    Keeps { normals: true, colours: true, opacity: true, scalars: true, texts: true, triangles: true, plane: true };
+const KEEPS: Keeps = Keeps {
+    normals: true,
+    colours: true,
+    opacity: true,
+    scalars: true,
+    texts: true,
+    triangles: true,
+    plane: true,
+};
 
 /// Writes doubles, as text or as little endian binary.
 pub(crate) fn write(

@@ -140,7 +140,8 @@ impl<'a> Iterator for Fields<'a> {
         self.is_first = false;
         if let Some(length) = quoted_length(start) {
             let after = skip(&start[length..], |byte| separator.is_padding(byte));
-            let ended = after.is_empty() || separator == Separator::Blank && after.len() < start.len() - length;
+            let ended =
+                after.is_empty() || separator == Separator::Blank && after.len() < start.len() - length;
             if ended || after.first().is_some_and(|&byte| separator.is(byte)) || starts_comment(after) {
                 self.rest = match separator {
                     _ if after.is_empty() => None,
@@ -173,7 +174,10 @@ mod tests {
     use super::*;
 
     fn split(separator: Separator, line: &str) -> Vec<String> {
-        separator.fields(line.as_bytes()).map(|field| String::from_utf8_lossy(field.text).into_owned()).collect()
+        separator
+            .fields(line.as_bytes())
+            .map(|field| String::from_utf8_lossy(field.text).into_owned())
+            .collect()
     }
 
     #[test]

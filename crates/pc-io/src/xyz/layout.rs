@@ -106,16 +106,19 @@ fn header_names(line: &[u8]) -> Option<Vec<String>> {
 
 /// The separator of rows: one that stands in all of them.
 fn row_separator(rows: &[&[u8]]) -> Separator {
-    let counts = |byte: u8| rows.iter().map(move |row| Separator::Byte(byte).fields(row.trim_ascii_end()).count());
+    let counts =
+        |byte: u8| rows.iter().map(move |row| Separator::Byte(byte).fields(row.trim_ascii_end()).count());
     let everywhere = |byte: u8| !rows.is_empty() && counts(byte).all(|count| count > 1);
     if everywhere(b';') {
         return Separator::Byte(b';');
     }
     // Tabs may also be blanks that align columns; then they come in different numbers, or blanks divide numbers too.
-    let tabs: HashSet<usize> = rows.iter().map(|row| row.iter().filter(|&&byte| byte == b'\t').count()).collect();
+    let tabs: HashSet<usize> =
+        rows.iter().map(|row| row.iter().filter(|&&byte| byte == b'\t').count()).collect();
     let divided = |row: &&[u8]| {
         let mut fields = Separator::Byte(b'\t').fields(row);
-        fields.any(|field| !field.quoted && Separator::Blank.fields(field.text).filter(is_numeric).count() > 1)
+        fields
+            .any(|field| !field.quoted && Separator::Blank.fields(field.text).filter(is_numeric).count() > 1)
     };
     if tabs.len() == 1 && everywhere(b'\t') && !rows.iter().any(divided) {
         return Separator::Byte(b'\t');
@@ -242,7 +245,9 @@ impl Layout {
         if is_comment(line) {
             return;
         }
-        if line.iter().all(|byte| b"-=_+|,; \t".contains(byte)) && line.iter().any(|byte| b"-=_".contains(byte)) {
+        if line.iter().all(|byte| b"-=_+|,; \t".contains(byte))
+            && line.iter().any(|byte| b"-=_".contains(byte))
+        {
             self.data = lines.offset();
             return self.pass_units(source);
         }
@@ -302,7 +307,10 @@ impl Layout {
             }
             Found::Certain(notation) => notation,
         };
-        if self.separator == Separator::Blank && matches!(self.notation, Notation::Comma { .. }) && !decimal_comma {
+        if self.separator == Separator::Blank
+            && matches!(self.notation, Notation::Comma { .. })
+            && !decimal_comma
+        {
             return Err(decimal_comma_between_blanks(source, at, line));
         }
         Ok(())
@@ -320,11 +328,15 @@ impl Layout {
                 let column = &mut seen[place];
                 column.cells += usize::from(!field.is_empty());
                 column.numbers += usize::from(is_number);
-                column.whole += usize::from(!field.text.is_empty() && field.text.iter().all(u8::is_ascii_digit));
-                column.pointed += usize::from(is_number && field.text.iter().any(|byte| b".,".contains(byte)));
+                column.whole +=
+                    usize::from(!field.text.is_empty() && field.text.iter().all(u8::is_ascii_digit));
+                column.pointed +=
+                    usize::from(is_number && field.text.iter().any(|byte| b".,".contains(byte)));
             }
         }
-        let is_named = |place: usize| self.names.as_ref().is_some_and(|names| names.get(place).is_some_and(|name| !name.is_empty()));
+        let is_named = |place: usize| {
+            self.names.as_ref().is_some_and(|names| names.get(place).is_some_and(|name| !name.is_empty()))
+        };
         self.blanks = (0..seen.len()).filter(|&place| seen[place].cells == 0 && !is_named(place)).collect();
         let is_text = |place: usize| seen.get(place).is_some_and(|seen| 2 * seen.numbers < seen.cells);
         if let Some(names) = &self.names {
@@ -351,21 +363,34 @@ impl Layout {
             self.label = texts.first().copied().filter(|&place| place == 0 || texts.len() == 1);
             self.texts = texts;
         }
-        if self.label != Some(0) && self.promised.is_none() && numbers_points(rows, self.separator, &seen, &numbers, &self.texts) {
+        if self.label != Some(0)
+            && self.promised.is_none()
+            && numbers_points(rows, self.separator, &seen, &numbers, &self.texts)
+        {
             self.texts.insert(0, 0);
             self.label = Some(0);
-            self.notes.push("the integers in the first column were taken as numbers of the points".to_owned());
+            self.notes
+                .push("the integers in the first column were taken as numbers of the points".to_owned());
         }
     }
 }
 
 /// Whether the first column holds numbers of points and not coordinates: different integers, before numbers that are
 /// all written with decimals, or before three coordinates and a text.
-fn numbers_points(rows: &[&[u8]], separator: Separator, seen: &[Seen], numbers: &[usize], texts: &[usize]) -> bool {
+fn numbers_points(
+    rows: &[&[u8]],
+    separator: Separator,
+    seen: &[Seen],
+    numbers: &[usize],
+    texts: &[usize],
+) -> bool {
     let [0, coordinates @ ..] = numbers else { return false };
-    let all = |place: usize, count: fn(&Seen) -> usize| count(&seen[place]) == seen[place].cells && seen[place].cells > 0;
+    let all = |place: usize, count: fn(&Seen) -> usize| {
+        count(&seen[place]) == seen[place].cells && seen[place].cells > 0
+    };
     let whole = all(0, |seen| seen.whole);
-    let pointed = coordinates.len() >= 3 && coordinates[..3].iter().all(|&place| all(place, |seen| seen.pointed));
+    let pointed =
+        coordinates.len() >= 3 && coordinates[..3].iter().all(|&place| all(place, |seen| seen.pointed));
     let coded = coordinates.len() == 3 && !texts.is_empty();
     if !whole || !(pointed || coded) {
         return false;
@@ -404,7 +429,10 @@ fn open_comma(source: Source<'_>, at: usize, line: &[u8]) -> Error {
 fn mixed_signs(source: Source<'_>, at: usize, line: &[u8]) -> Error {
     source.line_error(
         at,
-        format!("{} has a comma where other numbers have points, so that its meaning is open", quoted(line.trim_ascii())),
+        format!(
+            "{} has a comma where other numbers have points, so that its meaning is open",
+            quoted(line.trim_ascii())
+        ),
         "write all numbers with the same decimal sign, and without signs between thousands",
     )
 }

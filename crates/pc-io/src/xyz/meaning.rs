@@ -74,11 +74,18 @@ struct Table<'a> {
 
 impl Table<'_> {
     /// Rows of the columns from number `at` on.
-    fn rows<'a>(&'a self, at: usize, count: usize) -> impl Iterator<Item = impl Iterator<Item = f64> + 'a> + 'a {
+    fn rows<'a>(
+        &'a self,
+        at: usize,
+        count: usize,
+    ) -> impl Iterator<Item = impl Iterator<Item = f64> + 'a> + 'a {
         let rows = self.values.len() / self.width;
         let step = (rows / SAMPLE).max(1);
         let places = &self.places[at..at + count];
-        self.values.chunks_exact(self.width).step_by(step).map(move |row| places.iter().map(move |&place| row[place]))
+        self.values
+            .chunks_exact(self.width)
+            .step_by(step)
+            .map(move |row| places.iter().map(move |&place| row[place]))
     }
 
     /// Whether three columns have length 1 in almost every row; zero and NaN stand for an unknown normal.

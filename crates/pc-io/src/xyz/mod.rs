@@ -27,7 +27,8 @@ pub(crate) fn read(source: Source<'_>, options: &ReadOptions) -> Result<Parsed, 
     let (layout, rows) = read_rows(source, options)?;
     let mut warnings = layout.notes.clone();
     let count = rows.values.len() / rows.width;
-    let nothing = |place: usize| rows.values.iter().skip(place).step_by(rows.width).all(|value| value.is_nan());
+    let nothing =
+        |place: usize| rows.values.iter().skip(place).step_by(rows.width).all(|value| value.is_nan());
     let blanks = layout.blanks.iter().filter(|&&place| place < rows.width && nothing(place)).count();
     let empty = rows.empty.saturating_sub(blanks * count);
     if empty > 0 {
@@ -96,7 +97,8 @@ fn assemble_rows(
     let cloud = assemble(columns, warnings).map_err(not_points)?;
     let mut attributes = cloud.attributes().clone();
     for (field, &place) in texts.into_iter().zip(&layout.texts) {
-        let name = if names[place].is_empty() { format!("column_{}", place + 1) } else { names[place].clone() };
+        let name =
+            if names[place].is_empty() { format!("column_{}", place + 1) } else { names[place].clone() };
         let field = field.with_name(name);
         if layout.label == Some(place) {
             attributes.set_names(Some(field));

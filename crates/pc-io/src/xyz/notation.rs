@@ -45,7 +45,8 @@ impl Evidence {
         let is_other = |byte: &&u8| !matches!(byte, b' ' | b'\'' | 0x80..);
         let text: Vec<u8> = text.iter().filter(is_other).copied().collect();
         let body = text.strip_prefix(b"-").or_else(|| text.strip_prefix(b"+")).unwrap_or(&text);
-        let end = body.iter().position(|byte| !byte.is_ascii_digit() && !is_sign(*byte)).unwrap_or(body.len());
+        let end =
+            body.iter().position(|byte| !byte.is_ascii_digit() && !is_sign(*byte)).unwrap_or(body.len());
         let (digits, exponent) = body.split_at(end);
         let is_number = digits.iter().any(u8::is_ascii_digit)
             && (exponent.is_empty() || matches!(exponent[0], b'e' | b'E' | b'd' | b'D'));
@@ -110,7 +111,8 @@ impl Notation {
         if text.len() > LONGEST {
             return None;
         }
-        let end = text.iter().position(|&byte| byte == decimal || byte.is_ascii_alphabetic()).unwrap_or(text.len());
+        let end =
+            text.iter().position(|&byte| byte == decimal || byte.is_ascii_alphabetic()).unwrap_or(text.len());
         let (whole, rest) = text.split_at(end);
         if !grouped && whole.contains(&group) {
             return None;
@@ -221,7 +223,10 @@ mod tests {
             (",", None),
         ] {
             let read = comma.parse(text.as_bytes());
-            assert!(read == value || read.is_some_and(f64::is_nan) && value.is_some_and(f64::is_nan), "{text}: {read:?}");
+            assert!(
+                read == value || read.is_some_and(f64::is_nan) && value.is_some_and(f64::is_nan),
+                "{text}: {read:?}"
+            );
         }
         assert_eq!(Notation::Comma { grouped: false }.parse(b"1.234,5"), None);
         assert_eq!(Notation::Point { grouped: true }.parse(b"+1,234,567.5"), Some(1_234_567.5));

@@ -120,7 +120,10 @@ impl Rows {
     fn fit(&mut self, layout: &Layout, line: &[u8], before: usize, width: Option<usize>) {
         let Some(width) = width else { return };
         let found = self.values.len() - before;
-        if found == width + 1 && self.values.last().is_some_and(|value| value.is_nan()) && layout.separator.ends(line) {
+        if found == width + 1
+            && self.values.last().is_some_and(|value| value.is_nan())
+            && layout.separator.ends(line)
+        {
             self.values.pop();
             self.empty = self.empty.saturating_sub(1);
         }
@@ -187,11 +190,15 @@ impl Rows {
         if let Some(value) = layout.notation.parse(field.text) {
             return Ok(value);
         }
-        if field.is_empty() && (layout.separator != Separator::Blank || field.quoted || field.text.len() > 1) {
+        if field.is_empty() && (layout.separator != Separator::Blank || field.quoted || field.text.len() > 1)
+        {
             self.empty += 1;
             return Ok(f64::NAN);
         }
-        let open = !starts_comment(line) && line.contains(&b'"') && !field.quoted && quoted_length(field.text).is_none();
+        let open = !starts_comment(line)
+            && line.contains(&b'"')
+            && !field.quoted
+            && quoted_length(field.text).is_none();
         let what = if open && field.text.starts_with(b"\"") {
             format!("{} begins with a quote that does not end in this line", quoted(field.text))
         } else {

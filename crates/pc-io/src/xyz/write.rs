@@ -7,8 +7,15 @@ use mesh_core::TextField;
 use crate::shape::{Keeps, Shape};
 use crate::write_number;
 
-const KEEPS: Keeps =
-    Keeps { normals: true, colours: true, opacity: true, scalars: true, texts: true, triangles: false, plane: true };
+const KEEPS: Keeps = Keeps {
+    normals: true,
+    colours: true,
+    opacity: true,
+    scalars: true,
+    texts: true,
+    triangles: false,
+    plane: true,
+};
 
 /// Writes a header line and rows separated by commas.
 pub(crate) fn write_csv(out: &mut dyn Write, shape: Shape<'_>, warnings: &mut Vec<String>) -> io::Result<()> {
@@ -31,7 +38,10 @@ pub(crate) fn write_xyz(out: &mut dyn Write, shape: Shape<'_>, warnings: &mut Ve
 /// Writes the count and rows x y z \[intensity\] \[r g b\].
 pub(crate) fn write_pts(out: &mut dyn Write, shape: Shape<'_>, warnings: &mut Vec<String>) -> io::Result<()> {
     let attributes = shape.attributes();
-    shape.warn_of_loss(Keeps { normals: false, opacity: false, texts: false, plane: false, ..KEEPS }, warnings);
+    shape.warn_of_loss(
+        Keeps { normals: false, opacity: false, texts: false, plane: false, ..KEEPS },
+        warnings,
+    );
     let lost: Vec<_> = (attributes.scalars().iter())
         .filter(|field| field.name != "intensity")
         .map(|field| format!("scalar {:?}", field.name))
@@ -105,7 +115,8 @@ fn write_rows(
 /// # Errors
 /// Those of `out`.
 pub fn write_text(out: &mut dyn Write, text: &str, commas: bool) -> io::Result<()> {
-    let special = |letter: char| matches!(letter, ',' | ';' | '"' | '|' | '#' | '%' | '/') || letter.is_control();
+    let special =
+        |letter: char| matches!(letter, ',' | ';' | '"' | '|' | '#' | '%' | '/') || letter.is_control();
     let blank = |letter: char| letter.is_whitespace();
     let quotes = text.contains(special)
         || text.starts_with(blank)
