@@ -41,6 +41,12 @@ pub(crate) enum Error {
         /// What is wrong.
         source: mesh::Error,
     },
+    /// Several files cannot be read; each says why.
+    #[error("{}", errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("\nerror: "))]
+    Files {
+        /// One per file.
+        errors: Vec<Error>,
+    },
     /// Options that cannot be used.
     #[error("{what}; {advice}")]
     Usage {

@@ -3,7 +3,7 @@
 use crate::error::Error;
 use industrial_geometry::io::{self, AtomicFile, Content, Loaded, ReadOptions};
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The name that stands for standard input and standard output.
 const STREAM: &str = "-";
@@ -49,6 +49,7 @@ pub(crate) fn check_writable(path: &Path, inputs: &[&Path]) -> Result<(), Error>
 /// Whether two paths name the same file, there or not yet. Devices and pipes are never the same.
 pub(crate) fn is_same(a: &Path, b: &Path) -> bool {
     let place = |path: &Path| {
+        let path = &without_links(path);
         if let Ok(there) = fs::canonicalize(path) {
             return Some(there).filter(|there| there.is_file());
         }
@@ -56,6 +57,17 @@ pub(crate) fn is_same(a: &Path, b: &Path) -> bool {
         Some(fs::canonicalize(folder.unwrap_or(Path::new("."))).ok()?.join(path.file_name()?))
     };
     !is_stream(a) && !is_stream(b) && place(a).is_some_and(|a| place(b).is_some_and(|b| a == b))
+}
+
+/// What a path leads to when links whose target is not there yet are followed.
+fn without_links(path: &Path) -> PathBuf {
+    let mut place = path.to_path_buf();
+    // More links in a row are a circle.
+    for _ in 0..40 {
+        let Ok(target) = fs::read_link(&place) else { break };
+        place = place.parent().map_or_else(|| target.clone(), |folder| folder.join(&target));
+    }
+    place
 }
 
 /// The extension in lower case; empty when there is none.

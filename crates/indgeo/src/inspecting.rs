@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::files;
 use crate::model::{Loaded, Model};
-use crate::output::{self, DeviationTable, Format, Measured, Rows};
+use crate::output::{self, DeviationTable, Format, Measured, NAME, Rows};
 use crate::points::Points;
 use crate::progress::Progress;
 use crate::report::{Input, ModelSummary, Options, Output, Report, Results, Timings};
@@ -122,7 +122,11 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Inspection, Erro
         nominal.measure_each(&points.positions, points.normals.as_deref(), &options, &tell, &mut receive)?;
         Ok((partial.finish(&options, nominal.shapes())?, records))
     });
-    let (found, records) = found.map_err(|error| usage(&error))?;
+    let (mut found, records) = found.map_err(|error| usage(&error))?;
+    for worst in &mut found.worst {
+        worst.name =
+            usize::try_from(worst.index).ok().and_then(|index| points.name(index)).map(str::to_owned);
+    }
     drop(progress);
     warn_of_unproven(report, job, &found);
     report.points_per_second =
@@ -274,6 +278,7 @@ fn write(
             let table = DeviationTable {
                 points: &points.positions,
                 normals: points.normals.as_deref(),
+                point_names: points.names.as_ref(),
                 records,
                 triangles: &points.triangles,
                 nominal,
@@ -282,7 +287,9 @@ fn write(
                 coloured: format == Format::Ply,
             };
             let bytes = output::write(path, format, &table)?;
-            let content = format!("{} rows: {}", records.len(), table.names().join(","));
+            let columns: Vec<&str> =
+                table.names().into_iter().chain(points.names.as_ref().map(|_| NAME)).collect();
+            let content = format!("{} rows: {}", records.len(), columns.join(","));
             outputs.push(Output { path: path.to_path_buf(), bytes, content });
         }
         if let Some(path) = job.page {

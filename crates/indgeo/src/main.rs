@@ -18,6 +18,7 @@ mod model;
 mod moving;
 mod output;
 mod parameterizing;
+mod paths;
 mod points;
 mod poses;
 mod progress;

@@ -142,8 +142,16 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
             // Not of points that were added.
             let count = points.positions.len();
             let (feet, counts) = (&found.feet[..count], &found.counts[..count]);
-            let bytes =
-                output::write(path, format, &ParameterTable { points: &points.positions, feet, counts })?;
+            let bytes = output::write(
+                path,
+                format,
+                &ParameterTable {
+                    points: &points.positions,
+                    point_names: points.names.as_ref(),
+                    feet,
+                    counts,
+                },
+            )?;
             let content = format!("{count} parameter pairs");
             report.outputs.push(Output { path: path.to_path_buf(), bytes, content });
         }

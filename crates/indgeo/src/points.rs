@@ -3,6 +3,7 @@
 use crate::error::Error;
 use crate::files;
 use industrial_geometry::io::{Content, ReadOptions, ReadReport};
+use industrial_geometry::mesh::TextField;
 use industrial_geometry::mesh::nalgebra::{Point3, Vector2, Vector3};
 use std::path::Path;
 
@@ -13,6 +14,8 @@ pub(crate) struct Points {
     pub(crate) positions: Vec<Point3<f64>>,
     /// Normals, if the file has them.
     pub(crate) normals: Option<Vec<Vector3<f64>>>,
+    /// Names, if the file has them.
+    pub(crate) names: Option<TextField>,
     /// Whether the file has two columns.
     pub(crate) is_planar: bool,
     /// Triangles over the points, if the file is a mesh.
@@ -44,7 +47,13 @@ impl Points {
         let is_planar = cloud.dimension() == 2;
         let (positions, mut attributes) = cloud.into_parts();
         let normals = attributes.take_normals();
-        Ok(Self { positions, normals, is_planar, triangles, report })
+        let names = attributes.names().cloned();
+        Ok(Self { positions, normals, names, is_planar, triangles, report })
+    }
+
+    /// The name of the point at `index`, if it has one.
+    pub(crate) fn name(&self, index: usize) -> Option<&str> {
+        self.names.as_ref()?.get(index).filter(|name| !name.is_empty())
     }
 
     /// The points in the plane, for a model in the plane.

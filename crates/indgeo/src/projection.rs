@@ -4,7 +4,7 @@ use crate::commands::project::SearchMode;
 use crate::error::Error;
 use crate::files;
 use crate::model::Loaded;
-use crate::output::{self, Format, Layout, Table};
+use crate::output::{self, Format, Layout, NAME, Table};
 use crate::points::Points;
 use crate::progress::Progress;
 use crate::report::{
@@ -133,11 +133,23 @@ pub(crate) fn write_also(path: &Path, projected: &Projected, report: &mut Report
 
 fn write(path: &Path, format: Format, projected: &Projected, report: &mut Report) -> Result<(), Error> {
     let Projected { points, feet, layout } = projected;
-    let table = Table { layout, points: &points.positions, feet, triangles: &points.triangles };
+    let table = Table {
+        layout,
+        points: &points.positions,
+        point_names: points.names.as_ref(),
+        feet,
+        triangles: &points.triangles,
+    };
     let bytes = Timings::measure(&mut report.timings.write, || output::write(path, format, &table))?;
-    let content = format!("{} rows: {}", feet.len(), layout.names().join(","));
+    let content = format!("{} rows: {}", feet.len(), columns(projected).join(","));
     report.outputs.push(Output { path: path.to_path_buf(), bytes, content });
     Ok(())
+}
+
+/// The columns of the result.
+fn columns(projected: &Projected) -> Vec<&'static str> {
+    let name = projected.points.names.as_ref().map(|_| NAME);
+    projected.layout.names().into_iter().chain(name).collect()
 }
 
 /// Whether every finite point of the projection in the report converged and has the certificate that was asked for.
@@ -181,7 +193,7 @@ fn results(
     job: &Job<'_>,
     shapes: &[(&'static str, Option<String>)],
 ) -> ProjectionResults {
-    let Projected { points, feet, layout } = projected;
+    let Projected { points, feet, .. } = projected;
     let mut status = BTreeMap::new();
     let mut location = BTreeMap::new();
     let mut multiplicity = BTreeMap::new();
@@ -197,12 +209,13 @@ fn results(
         largest_gap = Some(largest_gap.map_or(foot.gap(), |gap| gap.max(foot.gap())));
         if worst.as_ref().is_none_or(|worst| foot.distance.abs() > worst.distance.abs()) {
             let point = points.positions[index].into();
-            worst = Some(Worst { index, point, distance: foot.distance });
+            let name = points.name(index).map(str::to_owned);
+            worst = Some(Worst { index, point, distance: foot.distance, name });
         }
     }
     ProjectionResults {
         points: feet.len(),
-        columns: layout.names(),
+        columns: columns(projected),
         status,
         location,
         multiplicity,

@@ -51,12 +51,18 @@ pub(crate) struct Report {
     pub(crate) warnings: Vec<String>,
 }
 
+/// Writes a path as text; what is not UTF-8 in it is replaced, since a report without it would be worse.
+pub(crate) fn lossy<S: serde::Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(&path.to_string_lossy())
+}
+
 /// A file that was read.
 #[derive(Debug, Serialize)]
 pub(crate) struct Input {
     /// `model`, `points`, `view` or `file`.
     pub(crate) role: &'static str,
     /// The path as given.
+    #[serde(serialize_with = "lossy")]
     pub(crate) path: PathBuf,
     /// What was read, dropped and left.
     #[serde(flatten)]
@@ -99,6 +105,7 @@ impl Input {
 #[derive(Debug, Serialize)]
 pub(crate) struct Output {
     /// The path as given.
+    #[serde(serialize_with = "lossy")]
     pub(crate) path: PathBuf,
     /// Its size.
     pub(crate) bytes: u64,
@@ -218,6 +225,9 @@ pub(crate) struct Worst {
     pub(crate) point: [f64; 3],
     /// Its distance.
     pub(crate) distance: f64,
+    /// Its name, if it has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) name: Option<String>,
 }
 
 /// The points whose footpoints lie on one shape.

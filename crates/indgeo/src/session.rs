@@ -28,6 +28,11 @@ pub(crate) fn run(cli: &Cli) -> ExitCode {
         Ok(()) => threads::with_threads(common.threads, || commands::run(&cli.command, common, &mut report)),
         Err(error) => return fail(&error),
     };
+    if let Ok(outcome) = &ended
+        && let Err(error) = tell(common, outcome, &report.warnings)
+    {
+        ended = Err(error);
+    }
     (report.status, report.exit_code) = match &ended {
         Ok(Outcome { converged: true, .. }) => ("done", 0),
         Ok(Outcome { otherwise, .. }) => (*otherwise, 1),
@@ -41,10 +46,7 @@ pub(crate) fn run(cli: &Cli) -> ExitCode {
         ended = ended.and(Err(error));
     }
     match ended {
-        Ok(outcome) => {
-            tell(common, &outcome, &report.warnings);
-            ExitCode::from(report.exit_code)
-        }
+        Ok(_) => ExitCode::from(report.exit_code),
         Err(error) => fail(&error),
     }
 }
@@ -75,17 +77,28 @@ fn fail(error: &Error) -> ExitCode {
 }
 
 /// Prints warnings and the summary. A reader that went away is no reason to fail.
-fn tell(common: &Common, outcome: &Outcome, warnings: &[String]) {
+///
+/// # Errors
+/// If standard output cannot be written for another reason, such as a full disk.
+pub(crate) fn tell(common: &Common, outcome: &Outcome, warnings: &[String]) -> Result<(), Error> {
     if common.quiet {
-        return;
+        return Ok(());
     }
     let mut stderr = std::io::stderr().lock();
     for warning in warnings {
         let _ = writeln!(stderr, "warning: {warning}");
     }
     if !common.json.as_deref().is_some_and(files::is_stream) {
-        let _ = writeln!(std::io::stdout(), "{}", outcome.summary.trim_end());
+        let mut stdout = std::io::stdout().lock();
+        let written = writeln!(stdout, "{}", outcome.summary.trim_end())
+            .and_then(|()| std::io::Write::flush(&mut stdout));
+        if let Err(source) = written
+            && source.kind() != std::io::ErrorKind::BrokenPipe
+        {
+            return Err(Error::write(Path::new("standard output"), source));
+        }
     }
+    Ok(())
 }
 
 fn write_report(path: &Path, report: &Report) -> Result<(), Error> {

@@ -55,7 +55,8 @@ fn write_projection(text: &mut String, report: &Report, results: &ProjectionResu
         writeln!(text, "  distance  min {min}  max {max}  mean {mean}  rms {rms}  median {median}")?;
     }
     if let Some(worst) = &results.worst {
-        writeln!(text, "  worst     {} at point {} (from 0)", plain(worst.distance), worst.index)?;
+        let name = quoted(worst.name.as_deref());
+        writeln!(text, "  worst     {} at point {} (from 0){name}", plain(worst.distance), worst.index)?;
     }
     if let Some(gap) = results.largest_gap {
         writeln!(text, "  certified no point of the model is nearer by more than {gap:.1e}")?;
@@ -115,7 +116,8 @@ fn write_inspection(text: &mut String, report: &Report, found: &Inspection) -> s
         writeln!(text, "  deviation min {min}  max {max}  mean {mean}  rms {rms}  sigma {sigma}")?;
     }
     if let Some(worst) = found.worst.first() {
-        writeln!(text, "  worst     {} at point {} (from 0)", plain(worst.distance), worst.index)?;
+        let name = quoted(worst.name.as_deref());
+        writeln!(text, "  worst     {} at point {} (from 0){name}", plain(worst.distance), worst.index)?;
     }
     write_end(text, report)
 }
@@ -376,6 +378,11 @@ fn write_end(text: &mut String, report: &Report) -> std::fmt::Result {
         writeln!(text, "  wrote     {} ({} bytes)", output.path.display(), output.bytes)?;
     }
     Ok(())
+}
+
+/// A name behind what it names.
+fn quoted(name: Option<&str>) -> String {
+    name.map(|name| format!(" \"{name}\"")).unwrap_or_default()
 }
 
 /// A number with six decimals, or with an exponent where these would hide it.

@@ -5,7 +5,7 @@ use nalgebra::Point3;
 use std::cmp::Ordering;
 
 /// A point with a large deviation.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct WorstPoint {
     /// Index of the point in the whole cloud, from 0.
@@ -18,6 +18,9 @@ pub struct WorstPoint {
     pub distance: f64,
     /// Index of the surface.
     pub shape: u32,
+    /// Its name, if the one who asked for the inspection knows and fills in one.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub name: Option<String>,
 }
 
 /// The same in bits, so that files keep each of them.
@@ -92,6 +95,7 @@ impl WorstPoints {
                 foot: [fx, fy, fz],
                 distance,
                 shape: kept.shape,
+                name: None,
             }
         };
         self.kept.iter().map(point).collect()

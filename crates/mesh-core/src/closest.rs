@@ -39,7 +39,8 @@ pub struct MeshFootpoint {
 /// Answers closest point queries on a mesh. Built once per mesh in O(n log n); a query takes O(log n) in practice.
 ///
 /// Triangles with a vertex that is not finite are left out ([`MeshProjector::skipped`]); degenerate ones act as the
-/// segments or points they are. Vertices at exactly the same position count as one. Answers do not depend on anything
+/// segments or points they are. Vertices that are one corner but for rounding
+/// count as one ([`TriangleMesh::weld`]). Answers do not depend on anything
 /// but mesh and point, so that queries may be spread over threads at will.
 #[derive(Debug, Clone)]
 pub struct MeshProjector {

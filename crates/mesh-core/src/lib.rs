@@ -46,7 +46,9 @@ mod polyline;
 mod pseudo_normal;
 mod random;
 mod sampling;
+mod seams;
 mod spatial_order;
+mod texts;
 mod topology;
 mod triangle;
 mod weld;
@@ -65,7 +67,7 @@ pub use facing::FacingFootpoint;
 pub use half_edge::{Defects, HalfEdge, HalfEdgeMesh};
 pub use line_hit::LineHit;
 pub use loop_subdivision::{LimitJet, LimitPoint, LoopScheme, LoopSurface, Mask};
-pub use mesh::TriangleMesh;
+pub use mesh::{TriangleMesh, Weld};
 pub use nalgebra;
 pub use normals::{
     CloudNormals, NormalOptions, Normals, Orientation, estimate_normals, orient_consistently, orient_towards,
@@ -76,6 +78,7 @@ pub use sampling::{
     sample_poisson_disk, sample_uniform, sample_wide_triangles, statistical_outliers, voxel_downsample,
 };
 pub use spatial_order::spatial_order;
+pub use texts::TextField;
 pub use topology::MeshTopology;
 pub use triangle::Feature;
 pub use weld::VertexWelder;

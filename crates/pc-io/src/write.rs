@@ -92,6 +92,9 @@ fn write_shape(path: &Path, shape: Shape<'_>, options: &WriteOptions) -> Result<
     if format == Format::Json {
         return refuse("points and triangles", "choose ply, stl, obj or off");
     }
+    if format == Format::Ptx {
+        return refuse("points that are not on the grid of a scanner", "choose pts, ply, csv or xyz");
+    }
     let mut warnings = Vec::new();
     let bytes = write_atomically(path, |out| match format {
         Format::Ply => ply::write(out, shape, options.ascii, &mut warnings),
@@ -103,7 +106,7 @@ fn write_shape(path: &Path, shape: Shape<'_>, options: &WriteOptions) -> Result<
         Format::Off => off::write(out, shape, &mut warnings),
         Format::Pcd => pcd::write(out, shape, &mut warnings),
         // Refused above.
-        Format::Json => Err(io::ErrorKind::Unsupported.into()),
+        Format::Json | Format::Ptx => Err(io::ErrorKind::Unsupported.into()),
     })?;
     let keeps_triangles = matches!(format, Format::Ply | Format::Obj | Format::Stl | Format::Off);
     Ok(WriteReport {

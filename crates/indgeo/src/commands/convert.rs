@@ -9,7 +9,7 @@ use std::path::PathBuf;
 
 /// Write points, triangles or NURBS in another format
 ///
-/// Normals, colours, intensity and other values per point are kept where the format can hold them; what it cannot
+/// Normals, colours, intensity, names and other values per point are kept where the format can hold them; what it cannot
 /// hold is told.
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = AFTER_HELP)]
@@ -21,6 +21,9 @@ pub(crate) struct Args {
     /// Leave out points with a coordinate that is NaN or infinite, and the triangles that use them
     #[arg(long)]
     drop_non_finite: bool,
+    /// Take commas in the numbers of tables as decimal signs, where the file leaves that open
+    #[arg(long)]
+    decimal_comma: bool,
     /// Write PLY as text instead of binary
     #[arg(long)]
     ascii: bool,
@@ -38,7 +41,9 @@ Examples:
 pub(crate) fn run(args: &Args, report: &mut Report) -> Result<Outcome, Error> {
     files::check_writable(&args.output, &[&args.input])?;
     let mut timings = Timings::default();
-    let options = ReadOptions::default().with_drop_non_finite(args.drop_non_finite);
+    let options = ReadOptions::default()
+        .with_drop_non_finite(args.drop_non_finite)
+        .with_decimal_comma(args.decimal_comma);
     let loaded = Timings::measure(&mut timings.read, || files::read(&args.input, &options))?;
     report.inputs.push(Input::new("file", &args.input, &loaded.report));
     let options = WriteOptions::default().with_ascii(args.ascii);

@@ -17,9 +17,9 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = AFTER_HELP)]
 pub(crate) struct Args {
-    /// NURBS surfaces or curves (JSON), or a triangle mesh (STL, PLY, OBJ, OFF)
+    /// NURBS surfaces or curves (JSON, or free-form OBJ), or a triangle mesh (STL, PLY, OBJ, OFF)
     model: PathBuf,
-    /// Points: PLY, XYZ, CSV, PTS, PCD, OBJ, STL or OFF; of a mesh its vertices
+    /// Points: PLY, XYZ, CSV, PTS, PTX, PCD, OBJ, STL or OFF; of a mesh its vertices
     points: PathBuf,
     /// Allowed deviation to both sides; --lower and --upper replace one limit each
     #[arg(long, short, value_name = "T", required_unless_present_all = ["lower", "upper"])]

@@ -17,6 +17,7 @@ pub(crate) mod selftest;
 
 use crate::args::{Command, Common};
 use crate::error::Error;
+use crate::paths;
 use crate::report::Report;
 
 /// What a command says when it is done.
@@ -68,6 +69,7 @@ fn something_written(any_file: bool, common: &Common, output: &str) -> Result<()
 
 /// Runs a command and fills in its report.
 pub(crate) fn run(command: &Command, common: &Common, report: &mut Report) -> Result<Outcome, Error> {
+    paths::check(command)?;
     match command {
         Command::Project(args) => project::run(args, common, report),
         Command::Inspect(args) => inspect::run(args, common, report),
@@ -79,7 +81,7 @@ pub(crate) fn run(command: &Command, common: &Common, report: &mut Report) -> Re
         Command::FitRuled(args) => fit_ruled::run(args, common, report),
         Command::FitSubdivision(args) => fit_subdivision::run(args, common, report),
         Command::Convert(args) => convert::run(args, report),
-        Command::Info(args) => info::run(args, report),
+        Command::Info(args) => info::run(args, common, report),
         Command::Demo(args) => demo::run(args, common, report),
         Command::Selftest(_) => selftest::run(common, report),
     }

@@ -17,9 +17,9 @@ use std::path::PathBuf;
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = AFTER_HELP)]
 pub(crate) struct Args {
-    /// NURBS curves or surfaces (JSON), or a triangle mesh (STL, PLY, OBJ, OFF); `-` is standard input
+    /// NURBS curves or surfaces (JSON, or free-form OBJ), or a triangle mesh (STL, PLY, OBJ, OFF); `-` is standard input
     pub(crate) model: PathBuf,
-    /// Points: PLY, XYZ, CSV, PTS, PCD, OBJ, STL or OFF; of a mesh its vertices; `-` is standard input
+    /// Points: PLY, XYZ, CSV, PTS, PTX, PCD, OBJ, STL or OFF; of a mesh its vertices; `-` is standard input
     pub(crate) points: PathBuf,
     /// The result; its format follows from the extension: .csv, .ply or .json
     #[arg(long, short, value_name = "OUT")]

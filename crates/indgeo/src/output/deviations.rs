@@ -4,6 +4,7 @@ use super::rows::{Cell, Rows};
 use industrial_geometry::inspection::{
     Class, ColourScale, DeviationRecord, InspectionOptions, Nominal, Outcome,
 };
+use industrial_geometry::mesh::TextField;
 use industrial_geometry::mesh::nalgebra::{Point3, Vector3};
 
 /// Points as they were inspected, and their deviations.
@@ -13,6 +14,8 @@ pub(crate) struct DeviationTable<'a> {
     pub(crate) points: &'a [Point3<f64>],
     /// Their normals, where they were looked at.
     pub(crate) normals: Option<&'a [Vector3<f64>]>,
+    /// Their names.
+    pub(crate) point_names: Option<&'a TextField>,
     /// One deviation per point.
     pub(crate) records: &'a [DeviationRecord],
     /// Triangles over the points.
@@ -139,6 +142,10 @@ impl Rows for DeviationTable<'_> {
                 }
             },
         }
+    }
+
+    fn point_names(&self) -> Option<&TextField> {
+        self.point_names
     }
 
     fn triangles(&self) -> &[[u32; 3]] {

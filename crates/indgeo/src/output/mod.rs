@@ -10,7 +10,7 @@ mod table;
 
 pub(crate) use deviations::{DeviationTable, Measured};
 pub(crate) use parameters::ParameterTable;
-pub(crate) use rows::Rows;
+pub(crate) use rows::{NAME, Rows};
 pub(crate) use table::{Layout, Table};
 
 use crate::error::Error;

@@ -3,6 +3,7 @@
 use super::rows::{Cell, Rows};
 use crate::target::{Foot, Target};
 use industrial_geometry::footpoint::Status;
+use industrial_geometry::mesh::TextField;
 use industrial_geometry::mesh::nalgebra::Point3;
 
 /// A column. The names are a contract that other programs rely on.
@@ -104,6 +105,8 @@ pub(crate) struct Table<'a> {
     pub(crate) layout: &'a Layout,
     /// The points as read.
     pub(crate) points: &'a [Point3<f64>],
+    /// Their names.
+    pub(crate) point_names: Option<&'a TextField>,
     /// One footpoint per point.
     pub(crate) feet: &'a [Foot],
     /// Triangles over the points, kept in formats that can hold them.
@@ -151,6 +154,10 @@ impl Rows for Table<'_> {
 
     fn cell(&self, row: usize, column: usize) -> Cell {
         self.layout.0[column].cell(&self.points[row], &self.feet[row])
+    }
+
+    fn point_names(&self) -> Option<&TextField> {
+        self.point_names
     }
 
     fn triangles(&self) -> &[[u32; 3]] {

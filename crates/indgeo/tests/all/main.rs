@@ -14,6 +14,7 @@ mod inspect;
 mod memory;
 mod parameterize;
 mod project;
+mod reading;
 mod register;
 mod register_views;
 mod report;

@@ -99,11 +99,12 @@ fn worst(inspection: &Inspection) -> String {
         let _ = write!(
             out,
             "<tr><td><button type=\"button\" data-worst=\"{place}\" aria-label=\"Show point {index}\">{rank}</button></td>{distance}\
-             <td><span class=\"swatch\" style=\"background:rgb({r},{g},{b})\"></span>{state}</td><td>{index}</td>{x}{y}{z}<td>{shape}</td></tr>",
+             <td><span class=\"swatch\" style=\"background:rgb({r},{g},{b})\"></span>{state}</td><td>{index}{name}</td>{x}{y}{z}<td>{shape}</td></tr>",
             rank = place + 1,
             index = point.index,
             distance = cell(point.distance),
             shape = point.shape,
+            name = point.name.as_deref().map(|name| format!(" {}", escape(name))).unwrap_or_default(),
         );
     }
     out.push_str("</tbody></table></div></section>");

@@ -10,4 +10,5 @@ mod loop_subdivision;
 mod normals;
 mod polyline;
 mod sampling;
+mod seams;
 mod shapes;

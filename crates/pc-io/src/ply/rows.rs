@@ -34,9 +34,30 @@ impl<'a> Rows<'a> {
         Self { source, encoding, at, overlong: 0 }
     }
 
-    /// What is left after the last row.
-    pub(super) fn rest(&self) -> &'a [u8] {
-        self.source.data.get(self.at..).unwrap_or_default()
+    /// Makes sure that nothing is left after the last row but the end of a line: else the header says too little, or
+    /// the rows begin elsewhere, and the numbers read are not those that were written.
+    pub(super) fn check_end(&self, elements: &[Element]) -> Result<(), Error> {
+        let rest = self.source.data.get(self.at..).unwrap_or_default();
+        let is_text = self.encoding == Encoding::Ascii;
+        if rest.is_empty()
+            || matches!(rest, b"\n" | b"\r" | b"\r\n")
+            || is_text && rest.trim_ascii().is_empty()
+        {
+            return Ok(());
+        }
+        let counts: Vec<String> =
+            elements.iter().map(|element| format!("{} {}", element.count, element.name)).collect();
+        let (place, what) = if is_text {
+            let at = self.at + rest.iter().take_while(|byte| byte.is_ascii_whitespace()).count();
+            (Place::Line(self.source.line_at(at)), "lines".to_owned())
+        } else {
+            (Place::Byte(self.at), format!("{} bytes", rest.len()))
+        };
+        Err(Error::malformed(
+            place,
+            format!("{what} follow after the last row that the header tells of ({})", counts.join(", ")),
+            "the counts or types in the header, or its line ends, are wrong; export the file again",
+        ))
     }
 
     /// The number of rows of the next element, which is known to fit into the file.

@@ -1,7 +1,10 @@
 //! All integration tests of `pc-io` in one binary: linking once is most of what building them costs.
 
 mod common;
+mod meshes;
 mod mutation;
+mod nurbs_files;
 mod reference;
 mod round_trip;
 mod sniffing;
+mod tables;
