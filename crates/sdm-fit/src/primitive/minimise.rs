@@ -11,6 +11,9 @@ const UNDETERMINED: f64 = 1e-12;
 /// How far a step may move the shape at the end, in units of the size of the cloud.
 const SETTLED: f64 = 1e-10;
 
+/// Root mean square distance, in units of the size of the cloud, that is rounding.
+const ROUNDING: f64 = 1e-14;
+
 /// A minimum, or how far the search came.
 #[derive(Clone, Debug)]
 pub(super) struct Minimum<M> {
@@ -97,12 +100,21 @@ pub(super) fn minimise<const D: usize, M: Model<D>>(
             found.status = PrimitiveStatus::Converged;
             return found;
         }
+        if is_exact(found.cost, points.len()) {
+            found.status = PrimitiveStatus::Converged;
+            return found;
+        }
         if !arrived {
             return found;
         }
     }
     found.status = PrimitiveStatus::Stalled;
     found
+}
+
+/// Whether nothing but rounding is left of the distances, so that there is nothing to lower.
+fn is_exact(cost: f64, points: usize) -> bool {
+    cost <= ROUNDING * ROUNDING * points as f64
 }
 
 /// Levenberg and Marquardt until a full step moves the shape by less than `settled`. False if steps run out.
@@ -205,7 +217,7 @@ fn finish<const D: usize, M: Model<D>>(
         }
     }
     let value = cost(&model, points, worth);
-    if last > SETTLED || value > found.cost * (1.0 + 1e-9) + 1e-28 * points.len() as f64 {
+    if last > SETTLED || value > found.cost * (1.0 + 1e-9) + ROUNDING * ROUNDING * points.len() as f64 {
         return false;
     }
     let linear = Linear::new(&factor(&model, points, worth));
