@@ -34,7 +34,7 @@ pub(crate) fn run(args: &Args, report: &mut Report) -> Result<Outcome, Error> {
     let mut summary = String::new();
     for path in &args.files {
         let loaded = Timings::measure(&mut timings.read, || files::read(path, &ReadOptions::default()))?;
-        report.inputs.push(Input::new("file", path, &loaded.report));
+        report.add_input(Input::new("file", path, &loaded.report));
         let warnings = loaded.report.warnings.iter();
         report.warnings.extend(warnings.map(|warning| format!("{}: {warning}", path.display())));
         let fact = describe(path, &loaded.content, &loaded.report);
