@@ -8,11 +8,12 @@ use crate::points::Points;
 use crate::progress::Progress;
 use crate::report::{Input, ModelSummary, Options, Output, Report, Results, Timings};
 use crate::transform::Transform;
+use crate::wording::{counted, not_finite};
 use industrial_geometry::inspection::html::{self, Page};
 use industrial_geometry::inspection::{
     self, Along, Deviation, DeviationRecord, Inspection, InspectionOptions, Nominal, Outcome, Partial,
 };
-use industrial_geometry::io::AtomicFile;
+use serde::Serialize;
 use std::f64::consts::FRAC_PI_2;
 use std::io::BufWriter;
 use std::path::Path;
@@ -35,6 +36,8 @@ pub(crate) struct Job<'a> {
     pub(crate) page: Option<&'a Path>,
     /// File of the deviations per point.
     pub(crate) out: Option<&'a Path>,
+    /// Their format, if not that of the extension.
+    pub(crate) format: Option<Format>,
     /// Options of the library.
     pub(crate) options: InspectionOptions,
     /// The mode of the search, by its name on the command line.
@@ -49,7 +52,7 @@ pub(crate) struct Job<'a> {
 
 /// Does the job and fills in the report.
 pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Inspection, Error> {
-    let format = job.out.map(Format::of).transpose()?;
+    let format = job.out.map(|out| Format::of(out, job.format)).transpose()?;
     if let Some(page) = job.page {
         check_extension(page)?;
     }
@@ -59,10 +62,10 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Inspection, Erro
     }
     let mut timings = Timings::default();
     let loaded = Timings::measure(&mut timings.read, || Loaded::read(job.model))?;
-    report.inputs.push(Input::new("model", job.model, &loaded.report));
+    report.add_input(Input::new("model", job.model, &loaded.report));
     let transform = job.transform.map(Transform::read).transpose()?;
     let mut points = Timings::measure(&mut timings.read, || Points::read(job.points, job.drop_non_finite))?;
-    report.inputs.push(Input::new("points", job.points, &points.report));
+    report.add_input(Input::new("points", job.points, &points.report));
     let measured = measured(&loaded.model);
     if measured == Measured::Profile {
         points.check_plane(job.points)?;
@@ -133,7 +136,9 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Inspection, Erro
         (timings.compute > 0.0).then(|| points.positions.len() as f64 / timings.compute);
     report.timings = timings;
     write(job, format, &points, &records, &found, &nominal, measured, report)?;
-    report.results = Some(Results::Inspection(Box::new(found.clone())));
+    let results = InspectionResults::new(found.clone(), points.report.non_finite);
+    report.count_points("points", results.points_dropped, results.points_used);
+    report.results = Some(Results::Inspection(Box::new(results)));
     Ok(found)
 }
 
@@ -184,15 +189,61 @@ fn warn_of_unproven(report: &mut Report, job: &Job<'_>, found: &Inspection) {
     }
 }
 
+/// What an inspection found, with the names that all commands share.
+#[derive(Debug, Serialize)]
+pub(crate) struct InspectionResults {
+    /// Points that do not count because they are not finite.
+    pub(crate) points_dropped: usize,
+    /// Points that were measured.
+    pub(crate) points_used: usize,
+    /// Root mean square deviation.
+    pub(crate) rms: Option<f64>,
+    /// Largest deviation, without its sign.
+    pub(crate) max: Option<f64>,
+    /// The point that has it, from 0; `null` if no worst points were asked for.
+    pub(crate) max_index: Option<u64>,
+    /// Share of the judged points within the tolerance.
+    pub(crate) share_within: f64,
+    /// Whether that is enough.
+    pub(crate) within_tolerance: bool,
+    /// What the library reports.
+    #[serde(flatten)]
+    pub(crate) found: Inspection,
+}
+
+impl InspectionResults {
+    fn new(found: Inspection, dropped: usize) -> Self {
+        let distance = found.total.distance.as_ref();
+        Self {
+            points_dropped: dropped,
+            points_used: usize::try_from(found.total.count).unwrap_or(usize::MAX),
+            rms: distance.map(|distance| distance.rms),
+            max: distance.map(|distance| distance.max.max(-distance.min)),
+            max_index: found.worst.first().map(|worst| worst.index),
+            share_within: found.verdict.share,
+            within_tolerance: found.verdict.pass,
+            found,
+        }
+    }
+}
+
 fn check_extension(page: &Path) -> Result<(), Error> {
     match files::extension(page).as_str() {
         "html" | "htm" => Ok(()),
+        _ if files::is_stream(page) => Ok(()),
         _ => Err(Error::content(page, "the report is a page", "choose a name that ends in .html")),
     }
 }
 
-fn usage(error: &inspection::Error) -> Error {
-    Error::usage(error.to_string(), "see `indgeo inspect --help`")
+/// The error of the library, with the option as it is typed.
+pub(crate) fn usage(error: &inspection::Error) -> Error {
+    let help = "see `indgeo inspect --help`";
+    match error {
+        inspection::Error::Option { option, value, what } => {
+            Error::usage(format!("--{} is {value}: {what}", option.replace('_', "-")), help)
+        }
+        _ => Error::usage(error.to_string(), help),
+    }
 }
 
 /// What the deviations from a model are measured from: its surfaces if it has some, otherwise its curves.
@@ -222,9 +273,9 @@ fn build(loaded: Loaded, job: &Job<'_>, report: &mut Report) -> Result<Nominal, 
         Model::Space { surfaces, curves } => {
             if !curves.shapes.is_empty() {
                 report.warnings.push(format!(
-                    "{}: {} curves are left out, deviations are measured from surfaces; surfaces are numbered without them",
+                    "{}: {} left out, deviations are measured from surfaces; surfaces are numbered without curves",
                     job.model.display(),
-                    curves.shapes.len()
+                    counted(curves.shapes.len(), "curve")
                 ));
             }
             let names = names(&surfaces.indices);
@@ -250,12 +301,7 @@ fn warn(report: &mut Report, job: &Job<'_>, loaded: &Loaded, points: &Points) {
     }
     let read = &points.report;
     if read.non_finite > 0 {
-        report.warnings.push(format!(
-            "{}: {} of {} points have a coordinate that is NaN or infinite; they are counted, not used",
-            job.points.display(),
-            read.non_finite,
-            read.points
-        ));
+        report.warnings.push(not_finite(job.points, read.non_finite, read.points, "counted, not used"));
     }
 }
 
@@ -289,7 +335,7 @@ fn write(
             let bytes = output::write(path, format, &table)?;
             let columns: Vec<&str> =
                 table.names().into_iter().chain(points.names.as_ref().map(|_| NAME)).collect();
-            let content = format!("{} rows: {}", records.len(), columns.join(","));
+            let content = format!("{}: {}", counted(records.len(), "row"), columns.join(","));
             outputs.push(Output { path: path.to_path_buf(), bytes, content });
         }
         if let Some(path) = job.page {
@@ -308,15 +354,13 @@ fn write(
                 alignment,
                 most_points: MOST_POINTS,
             };
-            let mut file = BufWriter::new(AtomicFile::create(path)?);
-            html::write(&mut file, &page).map_err(|source| Error::write(path, source))?;
-            let file = file.into_inner().map_err(|error| Error::write(path, error.into_error()))?;
+            let bytes = files::write(path, |out| html::write(&mut BufWriter::new(out), &page))?;
             let content = "page: map of the deviations, histogram, tables".to_owned();
-            outputs.push(Output { path: path.to_path_buf(), bytes: file.commit()?, content });
+            outputs.push(Output { path: path.to_path_buf(), bytes, content });
         }
         Ok(())
     })?;
     report.timings.write = seconds;
-    report.outputs.append(&mut outputs);
+    outputs.into_iter().for_each(|output| report.add_output(output));
     Ok(())
 }

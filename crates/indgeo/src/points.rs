@@ -2,6 +2,7 @@
 
 use crate::error::Error;
 use crate::files;
+use crate::wording::counted;
 use industrial_geometry::io::{Content, ReadOptions, ReadReport};
 use industrial_geometry::mesh::TextField;
 use industrial_geometry::mesh::nalgebra::{Point3, Vector2, Vector3};
@@ -41,7 +42,7 @@ impl Points {
             return Err(Error::content(path, "there are no points in this file", "export it again"));
         }
         if report.non_finite == report.points {
-            let what = format!("none of the {} points has finite coordinates", report.points);
+            let what = format!("no point has finite coordinates ({})", counted(report.points, "point"));
             return Err(Error::content(path, what, "export the file again"));
         }
         let is_planar = cloud.dimension() == 2;

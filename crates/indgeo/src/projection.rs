@@ -11,6 +11,7 @@ use crate::report::{
     Input, ModelSummary, Options, Output, ProjectionResults, Report, Results, ShapeResults, Timings, Worst,
 };
 use crate::target::{Foot, Target};
+use crate::wording::{counted, not_finite};
 use industrial_geometry::footpoint::{Multiplicity, ProjectionOptions, Status};
 use industrial_geometry::inspection::Statistics;
 use std::collections::BTreeMap;
@@ -19,6 +20,9 @@ use std::path::Path;
 /// Names of the statuses that leave nothing to be wished for; there is no answer for a point that is not finite, or lacks
 /// the normal that is to agree.
 const GOOD: [&str; 4] = ["converged", "on_boundary", "invalid_point", "no_normal"];
+
+/// Name of the status of points with a foot whose proof is not complete.
+const UNPROVEN: &str = "uncertified";
 
 /// What is to be done.
 #[derive(Debug)]
@@ -29,6 +33,8 @@ pub(crate) struct Job<'a> {
     pub(crate) points: &'a Path,
     /// File of the result.
     pub(crate) out: &'a Path,
+    /// Its format, if not that of the extension.
+    pub(crate) format: Option<Format>,
     /// Options of the library.
     pub(crate) options: ProjectionOptions,
     /// Largest angle, in radians, between the normals of points and feet.
@@ -56,13 +62,13 @@ pub(crate) struct Projected {
 
 /// Does the job and fills in the report.
 pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Projected, Error> {
-    let format = Format::of(job.out)?;
+    let format = Format::of(job.out, job.format)?;
     files::check_inputs(&[job.model, job.points])?;
     files::check_writable(job.out, &[job.model, job.points])?;
 
     let mut timings = Timings::default();
     let loaded = Timings::measure(&mut timings.read, || Loaded::read(job.model))?;
-    report.inputs.push(Input::new("model", job.model, &loaded.report));
+    report.add_input(Input::new("model", job.model, &loaded.report));
     let mut points = Timings::measure(&mut timings.read, || Points::read(job.points, job.drop_non_finite))?;
     if job.max_angle.is_none() {
         points.normals = None;
@@ -70,7 +76,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Projected, Error
         let advice = "leave out --max-angle, or give a file with normals (nx, ny, nz)";
         return Err(Error::content(job.points, "the points have no normals", advice));
     }
-    report.inputs.push(Input::new("points", job.points, &points.report));
+    report.add_input(Input::new("points", job.points, &points.report));
     report.timings = timings;
     warn(report, job, &loaded, &points);
 
@@ -102,33 +108,34 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Projected, Error
     let open = results.status.get(Status::Uncertified.name()).copied().unwrap_or(0);
     if open > 0 {
         report.warnings.push(format!(
-            "{open} of {} points are uncertified: another point of the model may be nearer, down to lower_bound in their rows \
+            "{open} of {} are uncertified: another point of the model may be nearer, down to lower_bound in their rows \
              (exit status 1)",
-            results.points
+            counted(results.points, "point")
         ));
     }
     let bad: usize = results.status.iter().filter(|(name, _)| !GOOD.contains(name)).map(|(_, n)| n).sum();
     let failed = bad - open;
     if failed > 0 {
         report.warnings.push(format!(
-            "{failed} of {} points did not converge; their rows say how they ended (exit status 1)",
-            results.points
+            "{failed} of {} did not converge; the column status says how (exit status 1)",
+            counted(results.points, "point")
         ));
     }
-    if let Some(count) = results.status.get("no_normal") {
+    if let Some(&count) = results.status.get("no_normal") {
         report.warnings.push(format!(
-            "{}: {count} of {} points have a normal that is zero or not finite (no_normal); they are not projected",
+            "{}: {count} of {} have a normal that is zero or not finite (no_normal); they are not projected",
             job.points.display(),
-            results.points
+            counted(results.points, "point")
         ));
     }
+    report.count_points("points", results.points_dropped, results.points_used);
     report.results = Some(Results::Projection(Box::new(results)));
     Ok(projected)
 }
 
 /// Writes the result once more, in the format of another extension.
 pub(crate) fn write_also(path: &Path, projected: &Projected, report: &mut Report) -> Result<(), Error> {
-    write(path, Format::of(path)?, projected, report)
+    write(path, Format::of(path, None)?, projected, report)
 }
 
 fn write(path: &Path, format: Format, projected: &Projected, report: &mut Report) -> Result<(), Error> {
@@ -141,8 +148,8 @@ fn write(path: &Path, format: Format, projected: &Projected, report: &mut Report
         triangles: &points.triangles,
     };
     let bytes = Timings::measure(&mut report.timings.write, || output::write(path, format, &table))?;
-    let content = format!("{} rows: {}", feet.len(), columns(projected).join(","));
-    report.outputs.push(Output { path: path.to_path_buf(), bytes, content });
+    let content = format!("{}: {}", counted(feet.len(), "row"), columns(projected).join(","));
+    report.add_output(Output { path: path.to_path_buf(), bytes, content });
     Ok(())
 }
 
@@ -158,6 +165,13 @@ pub(crate) fn all_converged(report: &Report) -> bool {
     results.status.keys().all(|name| GOOD.contains(name))
 }
 
+/// What the report calls a projection that is not done.
+pub(crate) fn otherwise(report: &Report) -> &'static str {
+    let Some(Results::Projection(results)) = &report.results else { return "not_converged" };
+    let mut failed = results.status.keys().filter(|name| !GOOD.contains(name));
+    if failed.all(|name| *name == UNPROVEN) { "not_proven" } else { "not_converged" }
+}
+
 fn warn(report: &mut Report, job: &Job<'_>, loaded: &Loaded, points: &Points) {
     for (path, read) in [(job.model, &loaded.report), (job.points, &points.report)] {
         let warnings = read.warnings.iter().map(|warning| format!("{}: {warning}", path.display()));
@@ -166,16 +180,11 @@ fn warn(report: &mut Report, job: &Job<'_>, loaded: &Loaded, points: &Points) {
     let read = &points.report;
     if read.non_finite > 0 {
         let fate = if read.dropped > 0 {
-            "they were left out, so that rows of the result are numbered anew"
+            "left out, so that rows of the result are numbered anew"
         } else {
-            "they keep their rows, with status invalid_point and no values (--drop-non-finite leaves them out)"
+            "kept as rows with the status invalid_point and no values (--drop-non-finite leaves them out)"
         };
-        let count = read.non_finite;
-        report.warnings.push(format!(
-            "{}: {count} of {} points have a coordinate that is NaN or infinite; {fate}",
-            job.points.display(),
-            read.points
-        ));
+        report.warnings.push(not_finite(job.points, read.non_finite, read.points, fate));
     }
 }
 
@@ -213,13 +222,20 @@ fn results(
             worst = Some(Worst { index, point, distance: foot.distance, name });
         }
     }
+    let dropped = feet.iter().filter(|foot| foot.status == Status::InvalidPoint).count();
+    let distance = Statistics::of(feet.iter().map(|foot| foot.distance));
     ProjectionResults {
         points: feet.len(),
+        points_dropped: points.report.non_finite,
+        points_used: feet.len() - dropped,
+        rms: distance.as_ref().map(|distance| distance.rms),
+        max: worst.as_ref().map(|worst| worst.distance.abs()),
+        max_index: worst.as_ref().map(|worst| worst.index),
         columns: columns(projected),
         status,
         location,
         multiplicity,
-        distance: Statistics::of(feet.iter().map(|foot| foot.distance)),
+        distance,
         worst,
         largest_gap: largest_gap.filter(|_| job.mode == SearchMode::Certified),
         shapes: shape_results(feet, shapes),

@@ -9,11 +9,13 @@ use crate::registration_field::{RegistrationField, locks_fit_the_plane};
 use crate::registration_model::RegistrationModel;
 use crate::registration_report::{self as found, RegistrationResults, StartResult};
 use crate::report::{Input, ModelSummary, Output, Report, Results, Timings};
-use industrial_geometry::io::{self, AtomicFile, Content, ReadOptions, WriteOptions};
+use crate::wording::{counted, not_finite};
+use industrial_geometry::io::{self, Content, Format, ReadOptions, WriteOptions};
 use industrial_geometry::mesh::nalgebra::Vector3;
 use industrial_geometry::register::start::{OrientedPoints, StartOptions, coarse_start};
-use industrial_geometry::register::{Pose, RegisterOptions, RegisterReport, Rejection, Source, StepRecord};
-use std::io::Write;
+use industrial_geometry::register::{
+    Error as RegisterError, Pose, RegisterOptions, RegisterReport, Rejection, Source, StepRecord,
+};
 use std::path::Path;
 use std::time::Instant;
 
@@ -48,6 +50,8 @@ pub(crate) struct Job<'a> {
     pub(crate) points: &'a Path,
     /// File of the moved points.
     pub(crate) out: Option<&'a Path>,
+    /// Their format, if not that of the extension.
+    pub(crate) format: Option<Format>,
     /// File of the motion.
     pub(crate) transform: Option<&'a Path>,
     /// Where to start.
@@ -81,10 +85,10 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
     let mut timings = Timings::default();
     let (model, read) =
         Timings::measure(&mut timings.read, || RegistrationModel::read(job.model, &mut report.warnings))?;
-    report.inputs.push(Input::new("model", job.model, &read));
+    report.add_input(Input::new("model", job.model, &read));
     let given = init.map(poses::read).transpose()?;
     let loaded = Timings::measure(&mut timings.read, || files::read(job.points, &ReadOptions::default()))?;
-    report.inputs.push(Input::new("points", job.points, &loaded.report));
+    report.add_input(Input::new("points", job.points, &loaded.report));
     let content = loaded.content;
     warn(job, &loaded.report, report);
     let is_planar = matches!(model, RegistrationModel::Plane(_));
@@ -111,7 +115,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
         signed: matches!(model, RegistrationModel::Surfaces(_) | RegistrationModel::Plane(_)),
     });
 
-    let progress = Progress::new("registering", job.quiet);
+    let progress = Progress::iterations("registering", job.quiet);
     let began = Instant::now();
     let (starts, results) = solve(job, &model, &field, &cloud, given, &progress)?;
     timings.compute = began.elapsed().as_secs_f64();
@@ -120,6 +124,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
     report.timings = timings;
     write(job, content, &results[best], report)?;
     let converged = results[best].is_converged();
+    report.count_points("points", results[best].dropped, results[best].used);
     report.results =
         Some(Results::Registration(Box::new(RegistrationResults::new(&results[best], starts, best))));
     Ok(converged)
@@ -130,12 +135,7 @@ fn warn(job: &Job<'_>, read: &io::ReadReport, report: &mut Report) {
         .warnings
         .extend(read.warnings.iter().map(|warning| format!("{}: {warning}", job.points.display())));
     if read.non_finite > 0 {
-        report.warnings.push(format!(
-            "{}: {} of {} points have a coordinate that is NaN or infinite; they are moved, but do not count",
-            job.points.display(),
-            read.non_finite,
-            read.points
-        ));
+        report.warnings.push(not_finite(job.points, read.non_finite, read.points, "moved, not used"));
     }
 }
 
@@ -217,7 +217,8 @@ fn solve(
             Some(normals) => OrientedPoints::new(&cloud.positions, normals),
             None => OrientedPoints::without_normals(&cloud.positions),
         };
-        let tell = |done: usize, total: usize| progress.report(done, total);
+        let search = Progress::steps("searching all positions", job.quiet);
+        let tell = |done: usize, total: usize| search.report(done, total);
         let samples = model.samples(job.model)?;
         let found =
             oriented.and_then(|points| coarse_start(&samples, &points, &StartOptions::default(), &tell));
@@ -243,7 +244,11 @@ fn register(
     start: &Pose<3>,
     progress: &Progress,
 ) -> Result<RegisterReport<3>, Error> {
-    let tell = |_: &StepRecord| progress.tick();
+    progress.begin();
+    let most = job.options.max_iterations;
+    let tell = |step: &StepRecord| {
+        progress.next_iteration(most, &format!("{}, rms {:.3e}", counted(step.points, "point"), step.rms))
+    };
     let mut options = job.options;
     if let Some(angle) = job.max_angle {
         options.rejection =
@@ -251,9 +256,12 @@ fn register(
     }
     let source =
         Source { points: &cloud.positions, normals: cloud.normals, weights: cloud.weights.as_deref() };
-    field
-        .register(&source, start, &options, &tell)
-        .map_err(|error| Error::content(job.points, error.to_string(), "check it with `indgeo info`"))
+    field.register(&source, start, &options, &tell).map_err(|error| match error {
+        RegisterError::Option { name, value, allowed } => {
+            Error::option(name, value, allowed, "see `indgeo register --help`")
+        }
+        other => Error::content(job.points, other.to_string(), "check it with `indgeo info`"),
+    })
 }
 
 /// How well a pose fits: mean squared distance with a limit, as a share of the limit, and the share of the points within.
@@ -292,23 +300,20 @@ fn write(
     let mut seconds = report.timings.write;
     Timings::measure(&mut seconds, || -> Result<(), Error> {
         if let Some(path) = job.out {
-            let written =
-                io::write(path, &moved(content, &result.pose, job.points)?, &WriteOptions::default())?;
+            let options = WriteOptions { format: job.format, ..WriteOptions::default() };
+            let written = files::write_content(path, &moved(content, &result.pose, job.points)?, &options)?;
             report
                 .warnings
                 .extend(written.warnings.iter().map(|warning| format!("{}: {warning}", path.display())));
-            let content = format!("{} moved points", written.points);
-            report.outputs.push(Output { path: path.to_path_buf(), bytes: written.bytes, content });
+            let content = counted(written.points, "moved point");
+            report.add_output(Output { path: path.to_path_buf(), bytes: written.bytes, content });
         }
         if let Some(path) = job.transform {
-            let failed = |source: std::io::Error| Error::write(path, source);
-            let mut text = serde_json::to_string_pretty(&found::transform(result))
-                .map_err(|error| failed(error.into()))?;
-            text.push('\n');
-            let mut file = AtomicFile::create(path)?;
-            file.write_all(text.as_bytes()).map_err(failed)?;
-            let bytes = file.commit()?;
-            report.outputs.push(Output { path: path.to_path_buf(), bytes, content: "motion".to_owned() });
+            let bytes = files::write(path, |out| {
+                serde_json::to_writer_pretty(&mut *out, &found::transform(result))?;
+                out.write_all(b"\n")
+            })?;
+            report.add_output(Output { path: path.to_path_buf(), bytes, content: "motion".to_owned() });
         }
         Ok(())
     })?;

@@ -3,6 +3,7 @@
 use crate::error::Error;
 use crate::files;
 use crate::registration_field::RegistrationField;
+use crate::wording::{counted, not_finite};
 use industrial_geometry::distance_field::{CloudField, CurveField, DistanceField, MeshField, SurfaceField};
 use industrial_geometry::io::{Content, ReadOptions, ReadReport, Shape};
 use industrial_geometry::mesh::{MeshProjector, PointCloud, TriangleMesh};
@@ -37,11 +38,7 @@ impl RegistrationModel {
         let report = loaded.report;
         warnings.extend(report.warnings.iter().map(|warning| format!("{}: {warning}", path.display())));
         if report.dropped > 0 {
-            warnings.push(format!(
-                "{}: {} points that are not finite are left out",
-                path.display(),
-                report.dropped
-            ));
+            warnings.push(not_finite(path, report.dropped, report.points, "left out"));
         }
         let model = match loaded.content {
             Content::Nurbs(model) => Self::of_shapes(model.into_shapes(), path, warnings)?,
@@ -69,7 +66,7 @@ impl RegistrationModel {
             if in_space == 0 {
                 return Ok(Self::Plane(plane));
             }
-            let what = format!("{} shapes lie in the plane, {in_space} in space", plane.len());
+            let what = format!("shapes in the plane: {}, in space: {in_space}", plane.len());
             return Err(Error::content(path, what, "put them into models of their own"));
         }
         match (surfaces.is_empty(), curves.is_empty()) {
@@ -80,9 +77,9 @@ impl RegistrationModel {
             (false, _) => {
                 if !curves.is_empty() {
                     warnings.push(format!(
-                        "{}: {} curves are left out, points are registered to the surfaces",
+                        "{}: {} left out, points are registered to the surfaces",
                         path.display(),
-                        curves.len()
+                        counted(curves.len(), "curve")
                     ));
                 }
                 Ok(Self::Surfaces(surfaces))

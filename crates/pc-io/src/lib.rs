@@ -69,5 +69,5 @@ pub(crate) use read::not_points;
 pub use read::{read, read_bytes, read_cloud, read_from, read_mesh, read_model};
 pub use report::{ReadOptions, ReadReport, WriteOptions, WriteReport};
 pub use unfinished::{Unfinished, remove_unfinished};
-pub use write::{write, write_cloud, write_mesh, write_model};
+pub use write::{write, write_cloud, write_mesh, write_model, write_to};
 pub use xyz::write_text;

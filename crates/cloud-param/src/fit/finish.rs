@@ -109,10 +109,13 @@ fn minimised(
             report.fit.initial_rms = first_rms;
             report.fit.rms = best_rms;
             report.folds = Folds::of(&surface);
-            // What was cancelled, or went wrong, stays so.
-            if is_slow && status == Status::MaxIterations {
-                report.fit.status = Status::Converged;
-            }
+            // What was cancelled, or went wrong, stays so; the limit of a stage is not that of all.
+            let at_limit = history.len() >= options.fit.max_iterations;
+            report.fit.status = match status {
+                Status::MaxIterations if is_slow => Status::Converged,
+                Status::MaxIterations if !at_limit => Status::Stalled,
+                status => status,
+            };
             report.fit.history = history;
             let raw = raw.unwrap_or_else(|| defects(&surface));
             return Ok(Minimised { surface, report, raw, moved_back, is_folded: false });

@@ -63,6 +63,7 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         model: &data.model,
         points: &data.scan,
         out: &csv,
+        format: None,
         options: args.search.options()?,
         max_angle: None,
         mode: args.search.mode,
@@ -81,7 +82,7 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
     })?;
     report.timings = timings;
     let content = "picture: side view, unrolled map, thread profile, histogram, statistics".to_owned();
-    report.outputs.push(Output { path: svg.clone(), bytes, content });
+    report.add_output(Output { path: svg.clone(), bytes, content });
 
     let (text, registered) = demo::align(&data, &bolt, &args.out, &job.options, common, report)?;
     let summary = format!("{}\n{}\n{text}", summary::of(report), explain(&zones, &job, &svg));

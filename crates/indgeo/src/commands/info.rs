@@ -49,7 +49,7 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
                 continue;
             }
         };
-        report.inputs.push(Input::new("file", path, &loaded.report));
+        report.add_input(Input::new("file", path, &loaded.report));
         let warnings = loaded.report.warnings.iter();
         report.warnings.extend(warnings.map(|warning| format!("{}: {warning}", path.display())));
         let fact = describe(path, &loaded.content, &loaded.report);
@@ -64,7 +64,7 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         return Ok(outcome);
     }
     if errors.len() < args.files.len() {
-        session::tell(common, &outcome, &report.warnings)?;
+        session::tell(common, false, &outcome, &report.warnings)?;
     }
     Err(Error::Files { errors })
 }

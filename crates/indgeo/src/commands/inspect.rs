@@ -1,10 +1,12 @@
 //! `indgeo inspect`: deviations of a scan from its model, and whether they are within tolerance.
 
 use super::Outcome;
+use super::numbers;
 use super::project::Search;
 use crate::args::Common;
 use crate::error::Error;
 use crate::inspecting::{self, Job};
+use crate::output::Format;
 use crate::report::Report;
 use crate::summary;
 use industrial_geometry::inspection::{Along, InspectionOptions, Tolerance};
@@ -22,16 +24,16 @@ pub(crate) struct Args {
     /// Points: PLY, XYZ, CSV, PTS, PTX, PCD, OBJ, STL or OFF; of a mesh its vertices
     points: PathBuf,
     /// Allowed deviation to both sides; --lower and --upper replace one limit each
-    #[arg(long, short, value_name = "T", required_unless_present_all = ["lower", "upper"])]
+    #[arg(long, short, value_name = "T", value_parser = numbers::length, required_unless_present_all = ["lower", "upper"])]
     tolerance: Option<f64>,
     /// Smallest allowed deviation, with its sign [default: -T]
-    #[arg(long, value_name = "L", allow_negative_numbers = true)]
+    #[arg(long, value_name = "L", value_parser = numbers::signed)]
     lower: Option<f64>,
     /// Largest allowed deviation, with its sign [default: T]
-    #[arg(long, value_name = "U", allow_negative_numbers = true)]
+    #[arg(long, value_name = "U", value_parser = numbers::signed)]
     upper: Option<f64>,
     /// Share of the points that must be within tolerance to pass, 0 to 1
-    #[arg(long, value_name = "SHARE", default_value_t = 1.0)]
+    #[arg(long, value_name = "SHARE", default_value_t = 1.0, value_parser = numbers::share_or_none)]
     min_share: f64,
     /// Line along which a point is projected: `shortest`, `normal` (the point's own), or a direction X,Y,Z
     #[arg(long, value_name = "LINE", default_value = "shortest", allow_hyphen_values = true, value_parser = parse_along)]
@@ -46,7 +48,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "DEG", value_parser = super::parse_angle)]
     max_angle: Option<f64>,
     /// Count points farther from the model than this, but do not use them
-    #[arg(long, value_name = "D", default_value_t = f64::INFINITY)]
+    #[arg(long, value_name = "D", default_value_t = f64::INFINITY, value_parser = numbers::limit)]
     max_distance: f64,
     /// Count points beyond the boundary of the model, but do not use them
     #[arg(long)]
@@ -54,15 +56,18 @@ pub(crate) struct Args {
     /// How many of the worst points are listed
     #[arg(long, value_name = "K", default_value_t = 10)]
     worst: u16,
-    /// Move the points first: JSON with the `matrix` (4 × 4, row by row)
+    /// Move the points first: JSON with the `matrix` (4 × 4, row by row) of a rigid motion, as `register` writes it
     #[arg(long, value_name = "FILE")]
     transform: Option<PathBuf>,
     /// Write a page (HTML) that works offline: map of the deviations, histogram, tables
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
-    /// Write the deviation of every point; its format follows from the extension: .csv, .ply or .json
+    /// Write the deviation of every point; its format follows from the extension: .csv, .ply or .json; `-` is standard output (CSV)
     #[arg(long, short, value_name = "OUT")]
     out: Option<PathBuf>,
+    /// Format of OUT, whatever its extension
+    #[arg(long, value_enum, requires = "out")]
+    format: Option<Format>,
     #[command(flatten)]
     search: Search,
 }
@@ -86,15 +91,16 @@ whose whole interval lies within the tolerance is within, whether its iteration 
 counts as it is, up to --relative-gap.
 Points beyond D, beyond the boundary (if dropped), whose line misses the model, with a normal that is zero or not finite
 where one is needed (no_normal), or not finite themselves are counted, but not judged; the last two cause a warning.
-Shares are rounded to the bad side: 100.00 % means all. Exit status 0: pass; 1: fail; 2: bad input or usage.
+Shares are rounded to the bad side: 100.00 % means all. Exit status 0: pass; 1: fail; 2: bad input or usage; 130:
+interrupted.
 
 Columns of OUT, one row per point, in the order of POINTS:
   surfaces  x,y,z,foot_x,foot_y,foot_z,normal_x,normal_y,normal_z,distance,shape,u,v,location,result
   mesh      ... with triangle in place of u,v
   curves    ... with t in place of u,v; in the plane (points of two columns) without z: x,y,foot_x,foot_y,normal_x,...
 x,y,z are the coordinates after --transform. result: within, over, under, or why the point is not judged:
-beyond_max_distance, beyond_boundary, no_hit, no_normal, not_converged, invalid_point, no_matching_foot, undecided. PLY has red,green,blue too.
-The form of --json is that of docs/schema/inspection.schema.json.
+beyond_max_distance, beyond_boundary, no_hit, no_normal, not_converged, invalid_point, no_matching_foot, undecided. PLY has
+red,green,blue too. The form of --json is that of docs/schema/inspect.schema.json.
 
 Examples:
   indgeo inspect part.json scan.ply --tolerance 0.05 --report report.html --json report.json
@@ -129,9 +135,6 @@ impl Args {
     }
 
     fn options(&self) -> Result<InspectionOptions, Error> {
-        if let Some(half) = self.tolerance.filter(|half| half.is_nan() || *half <= 0.0) {
-            return Err(Error::usage(format!("--tolerance is {half}, it must be positive"), "give a length"));
-        }
         let half = self.tolerance.unwrap_or(f64::NAN);
         let tolerance = Tolerance::new(self.lower.unwrap_or(-half), self.upper.unwrap_or(half));
         let options = tolerance.and_then(|tolerance| {
@@ -144,8 +147,7 @@ impl Args {
             let options = InspectionOptions { max_angle: self.max_angle.map(f64::to_radians), ..options };
             options.validate().map(|()| options)
         });
-        let options =
-            options.map_err(|error| Error::usage(error.to_string(), "see `indgeo inspect --help`"))?;
+        let options = options.map_err(|error| inspecting::usage(&error))?;
         Ok(options.with_projection(self.search.options()?))
     }
 }
@@ -158,6 +160,7 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         transform: args.transform.as_deref(),
         page: args.report.as_deref(),
         out: args.out.as_deref(),
+        format: args.format,
         options: args.options()?,
         mode: args.search.mode.name(),
         drop_non_finite: args.search.drop_non_finite,

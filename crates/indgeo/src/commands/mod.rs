@@ -9,6 +9,7 @@ pub(crate) mod fit_subdivision;
 pub(crate) mod fit_surface;
 pub(crate) mod info;
 pub(crate) mod inspect;
+mod numbers;
 pub(crate) mod parameterize;
 pub(crate) mod project;
 pub(crate) mod register;
@@ -17,6 +18,7 @@ pub(crate) mod selftest;
 
 use crate::args::{Command, Common};
 use crate::error::Error;
+use crate::fit_numbers::FitVerdict;
 use crate::paths;
 use crate::report::Report;
 
@@ -37,10 +39,9 @@ impl Outcome {
         Self { summary, converged, otherwise: "not_converged" }
     }
 
-    /// The outcome of a fit, which may have been asked for a tolerance.
-    pub(crate) fn fitted(summary: String, good: bool, tolerance: Option<f64>) -> Self {
-        let otherwise = if tolerance.is_some() { "out_of_tolerance" } else { "not_converged" };
-        Self { summary, converged: good, otherwise }
+    /// The outcome of a fit.
+    pub(crate) fn fitted(summary: String, verdict: FitVerdict) -> Self {
+        Self { summary, converged: verdict == FitVerdict::Good, otherwise: verdict.name() }
     }
 }
 

@@ -1,8 +1,10 @@
 //! `indgeo project`: the closest point of a model for every point of a scan.
 
 use super::Outcome;
+use super::numbers;
 use crate::args::Common;
 use crate::error::Error;
+use crate::output::Format;
 use crate::projection::{self, Job};
 use crate::report::Report;
 use crate::summary;
@@ -21,7 +23,7 @@ pub(crate) struct Args {
     pub(crate) model: PathBuf,
     /// Points: PLY, XYZ, CSV, PTS, PTX, PCD, OBJ, STL or OFF; of a mesh its vertices; `-` is standard input
     pub(crate) points: PathBuf,
-    /// The result; its format follows from the extension: .csv, .ply or .json
+    /// The result; its format follows from the extension: .csv, .ply or .json; `-` is standard output (CSV)
     #[arg(long, short, value_name = "OUT")]
     pub(crate) out: PathBuf,
     /// Largest angle between the normals of a point and of the model at its foot, up to 180 (no limit)
@@ -29,6 +31,9 @@ pub(crate) struct Args {
     /// Of a thin wall the face that was scanned is then found. Needs points with normals that point out of the material.
     #[arg(long, value_name = "DEG", value_parser = super::parse_angle)]
     max_angle: Option<f64>,
+    /// Format of the result, whatever its extension
+    #[arg(long, value_enum)]
+    format: Option<Format>,
     #[command(flatten)]
     search: Search,
 }
@@ -40,7 +45,7 @@ pub(crate) struct Search {
     #[arg(long, value_enum, default_value_t = SearchMode::Certified)]
     pub(crate) mode: SearchMode,
     /// Allowed gap between a distance and its proven lower bound, as a share of the distance
-    #[arg(long, value_name = "GAP", default_value_t = 1e-7)]
+    #[arg(long, value_name = "GAP", default_value_t = 1e-7, value_parser = numbers::signed)]
     pub(crate) relative_gap: f64,
     /// Leave out points with a coordinate that is NaN or infinite; by default they keep their row, with the status
     /// `invalid_point` and no values, so that row i of the result belongs to point i
@@ -112,8 +117,9 @@ Numbers read back to the same bits. .csv: a missing value is empty. .ply: binary
 value; triangles of POINTS are kept. .json: {\"points\": N, \"columns\": [...], \"x\": [...], ...}, null where there is
 no value.
 
-Exit status 1 if a finite point did not converge, stayed uncertified or has no matching foot; the result is written
-nevertheless. Points that are not finite, or lack the normal that --max-angle asks for, cause a warning, not a failure.
+Exit status 0: every finite point has its closest point, with its proof in certified mode; 1: one did not converge, stayed
+uncertified or has no matching foot (the result is written nevertheless); 2: bad input or usage; 130: interrupted. Points that
+are not finite, or lack the normal that --max-angle asks for, cause a warning, not a failure.
 
 Examples:
   indgeo project model.json scan.ply -o deviations.csv
@@ -127,6 +133,7 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         model: &args.model,
         points: &args.points,
         out: &args.out,
+        format: args.format,
         options: args.search.options()?,
         max_angle: args.max_angle.filter(|angle| *angle < 180.0).map(f64::to_radians),
         mode: args.search.mode,
@@ -135,5 +142,6 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         quiet: common.quiet,
     };
     projection::run(&job, report)?;
-    Ok(Outcome::new(summary::of(report), projection::all_converged(report)))
+    let (converged, otherwise) = (projection::all_converged(report), projection::otherwise(report));
+    Ok(Outcome { summary: summary::of(report), converged, otherwise })
 }

@@ -74,13 +74,14 @@ pub(crate) fn run(
     let content = moved(scan, &away, &data.scan)?;
     let written = io::write(&files.displaced, &content, &WriteOptions::default())?;
     let text = format!("the scan, turned by {TURN}° and shifted by {SHIFT} mm");
-    report.outputs.push(Output { path: files.displaced.clone(), bytes: written.bytes, content: text });
+    report.add_output(Output { path: files.displaced.clone(), bytes: written.bytes, content: text });
 
     let mut found = Report { command: "register", version: report.version, ..Report::default() };
     let job = registering::Job {
         model: &data.model,
         points: &files.displaced,
         out: Some(&files.registered),
+        format: None,
         transform: Some(&files.pose),
         start: Start::Given,
         options: RegisterOptions::default(),
@@ -116,7 +117,7 @@ pub(crate) fn run(
             (&files.picture, picture, "picture: before and after the registration, and its steps"),
         ] {
             let bytes = write_text(path, &text)?;
-            report.outputs.push(Output { path: path.clone(), bytes, content: content.to_owned() });
+            report.add_output(Output { path: path.clone(), bytes, content: content.to_owned() });
         }
         Ok(())
     })?;
@@ -180,6 +181,7 @@ fn inspect(
         transform: Some(&files.pose),
         page: Some(&files.page),
         out: None,
+        format: None,
         options: InspectionOptions::new(tolerance).with_drop_beyond_boundary(true).with_projection(*options),
         mode: "certified",
         drop_non_finite: false,

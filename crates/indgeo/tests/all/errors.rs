@@ -123,7 +123,7 @@ fn dimensions_that_do_not_fit() {
     assert!(message.contains("point 0 (from 0) has z = 1"), "{message}");
     bench.put("mixed.json", format!("{{\"kind\":\"model\",\"shapes\":[{SEGMENT},{SEGMENT_3}]}}"));
     let message = failure(&bench, "project mixed.json points.xyz -o out.csv");
-    assert!(message.contains("1 shapes lie in the plane, 1 in space"), "{message}");
+    assert!(message.contains("shapes in the plane: 1, in space: 1"), "{message}");
     bench.put("none.json", "{\"kind\":\"model\",\"shapes\":[]}");
     assert!(failure(&bench, "project none.json points.xyz -o out.csv").contains("no shapes"));
 }
@@ -137,7 +137,7 @@ fn points_that_are_none() {
     assert!(failure(&bench, "project model.json header.csv -o out.csv").contains("header.csv"));
     bench.put("nan.xyz", "nan 0 0\n0 inf 0\n");
     let message = failure(&bench, "project model.json nan.xyz -o out.csv");
-    assert!(message.contains("none of the 2 points has finite coordinates"), "{message}");
+    assert!(message.contains("no point has finite coordinates (2 points)"), "{message}");
     failure(&bench, "project model.json nan.xyz -o out.csv --drop-non-finite");
 }
 

@@ -5,6 +5,7 @@ mod common;
 mod degenerate;
 mod demo;
 mod errors;
+mod exit_status;
 mod files;
 mod fit_curve;
 mod fit_ruled;

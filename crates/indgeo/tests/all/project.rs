@@ -13,7 +13,7 @@ fn surfaces_have_signed_distances() {
     bench.put("points.xyz", "0.5 1 3\n1 0.25 -0.125\n3 1 0\n3 3 0\n");
     let run = bench.run("project model.json points.xyz -o out.csv");
     assert_eq!((run.code, run.stderr.as_str()), (0, ""), "{}", run.stdout);
-    assert!(run.stdout.contains("4 points projected onto 1 shape (1 Bézier pieces)"), "{}", run.stdout);
+    assert!(run.stdout.contains("4 points projected onto 1 shape (1 Bézier piece)"), "{}", run.stdout);
     let text = bench.text("out.csv");
     assert_eq!(text.lines().next(), Some("x,y,z,foot_x,foot_y,foot_z,distance,shape,u,v,status,lower_bound"));
     let rows = rows(&text);

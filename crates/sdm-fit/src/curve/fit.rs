@@ -349,6 +349,7 @@ impl<'a, const D: usize> Work<'a, D> {
             start,
             points: points.len(),
             dropped: points.len() - kept.len(),
+            used: state.report.used,
             controls: state.curve.knots().distinct_count(),
             degree: state.curve.degree(),
             rms: (sum / kept.len() as f64).sqrt(),

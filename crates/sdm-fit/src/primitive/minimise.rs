@@ -11,8 +11,9 @@ const UNDETERMINED: f64 = 1e-12;
 /// How far a step may move the shape at the end, in units of the size of the cloud.
 const SETTLED: f64 = 1e-10;
 
-/// Share of the sum of squares that one more step may be expected to gain, and the mean square that is lost in rounding.
+/// Share of the sum of squares that one more step may be expected to gain.
 const GAIN: f64 = 1e-10;
+/// Mean squared distance, in units of the size of the cloud, that is rounding.
 const ROUNDING_SQ: f64 = 1e-28;
 
 /// A minimum, or how far the search came.
@@ -101,12 +102,21 @@ pub(super) fn minimise<const D: usize, M: Model<D>>(
             found.status = PrimitiveStatus::Converged;
             return found;
         }
+        if is_exact(found.cost, points.len()) {
+            found.status = PrimitiveStatus::Converged;
+            return found;
+        }
         if !arrived {
             return found;
         }
     }
     found.status = PrimitiveStatus::Stalled;
     found
+}
+
+/// Whether nothing but rounding is left of the distances, so that there is nothing to lower.
+fn is_exact(cost: f64, points: usize) -> bool {
+    cost <= ROUNDING_SQ * points as f64
 }
 
 /// Levenberg and Marquardt until a full step moves the shape by less than `settled`. False if steps run out.

@@ -5,6 +5,7 @@ mod curve_narrow;
 mod curve_search;
 mod curve_terms;
 mod curves;
+mod exact;
 mod level_sets;
 mod primitive_search;
 mod primitives;
