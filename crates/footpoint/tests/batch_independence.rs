@@ -7,8 +7,8 @@ use footpoint::{
 };
 use nalgebra::{SVector, Vector2, Vector3};
 use nurbs_core::{
-    BsplineCurve, BsplineSurface, Circle, Cylinder, Frame, Interval, KnotVector, ParametricCurve, ParametricSurface,
-    Sphere, Torus,
+    BsplineCurve, BsplineSurface, Circle, Cylinder, Frame, Interval, KnotVector, ParametricCurve,
+    ParametricSurface, Sphere, Torus,
 };
 
 /// A small generator: the same numbers in every run.
@@ -65,7 +65,12 @@ fn check<const D: usize, F, B: PartialEq + std::fmt::Debug>(
             for part in order.chunks(size) {
                 let batch: Vec<_> = part.iter().map(|&i| points[i]).collect();
                 for (&i, found) in part.iter().zip(many(&batch)) {
-                    assert_eq!(wanted[i], bits(&found), "{name}, point {i} of {:?} in batches of {size}", points[i]);
+                    assert_eq!(
+                        wanted[i],
+                        bits(&found),
+                        "{name}, point {i} of {:?} in batches of {size}",
+                        points[i]
+                    );
                 }
             }
         }
@@ -161,11 +166,20 @@ fn collapsed_edges() {
 fn curves() {
     let mut random = Random(6);
     let points = (0..9).map(|_| random.vector::<3>(1.0)).collect();
-    curve("space", &BsplineCurve::new(KnotVector::uniform_clamped(3, 9).unwrap(), points, None).unwrap(), &[]);
-    let points: Vec<_> = (0..9).map(|k| Vector2::new(0.2 * f64::from(k), random.between(-0.3, 0.3))).collect();
+    curve(
+        "space",
+        &BsplineCurve::new(KnotVector::uniform_clamped(3, 9).unwrap(), points, None).unwrap(),
+        &[],
+    );
+    let points: Vec<_> =
+        (0..9).map(|k| Vector2::new(0.2 * f64::from(k), random.between(-0.3, 0.3))).collect();
     let weights = points.iter().map(|_| 1e3f64.powf(random.between(-1.0, 1.0))).collect();
     let knots = KnotVector::uniform_clamped(3, 9).unwrap();
     curve("weights", &BsplineCurve::new(knots, points, Some(weights)).unwrap(), &[]);
     let circle = Circle::new(Vector2::new(1.0, 2.0), 3.0).unwrap().to_nurbs().unwrap();
-    curve("circle", &circle, &[Vector2::new(1.0, 2.0), Vector2::new(1.0, 2.0 + 1e-9), Vector2::new(f64::NAN, 0.0)]);
+    curve(
+        "circle",
+        &circle,
+        &[Vector2::new(1.0, 2.0), Vector2::new(1.0, 2.0 + 1e-9), Vector2::new(f64::NAN, 0.0)],
+    );
 }

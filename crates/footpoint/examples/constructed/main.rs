@@ -91,7 +91,8 @@ fn run(
         let found = projector.project(x);
         let truth = oracle.distance(x).min(projector.project_with(x, &fast).distance);
         let allowed = options.relative_gap * found.distance + options.absolute_gap * size;
-        let far = found.distance.is_nan() || found.distance > truth + 1e-7 * truth + 1e-10 * size + 8.0 * rounding;
+        let far =
+            found.distance.is_nan() || found.distance > truth + 1e-7 * truth + 1e-10 * size + 8.0 * rounding;
         let broken = found.lower_bound > truth * (1.0 + 1e-12) + 16.0 * rounding;
         let unproven = found.gap().is_nan() || found.gap() > 2.0 * allowed + 8.0 * rounding;
         wrong += usize::from(far || broken);
@@ -120,7 +121,11 @@ fn run(
         build * 1e6,
     );
     if details {
-        println!("  slowest {slowest}: {:?} {:?}", queries[slowest].as_slice(), projector.project(&queries[slowest]));
+        println!(
+            "  slowest {slowest}: {:?} {:?}",
+            queries[slowest].as_slice(),
+            projector.project(&queries[slowest])
+        );
     }
 }
 

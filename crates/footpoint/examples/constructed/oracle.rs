@@ -20,7 +20,8 @@ impl<'a> Oracle<'a> {
             breaks.insert(0, domain.start());
             breaks.push(domain.end());
             let n = (most / (breaks.len() - 1)).max(6);
-            let part = |w: &[f64]| (0..n).map(|k| w[0] + (w[1] - w[0]) * k as f64 / n as f64).collect::<Vec<_>>();
+            let part =
+                |w: &[f64]| (0..n).map(|k| w[0] + (w[1] - w[0]) * k as f64 / n as f64).collect::<Vec<_>>();
             let mut all: Vec<f64> = breaks.windows(2).flat_map(part).collect();
             all.push(domain.end());
             all
@@ -85,7 +86,9 @@ impl<'a> Oracle<'a> {
                 hessian[(d, d)] += damping * metric[(d, d)].max(f64::MIN_POSITIVE);
             }
             let step = match free {
-                [true, true] => hessian.try_inverse().map_or(Vector2::zeros(), |inverse| -(inverse * gradient)),
+                [true, true] => {
+                    hessian.try_inverse().map_or(Vector2::zeros(), |inverse| -(inverse * gradient))
+                }
                 [true, false] => Vector2::new(-gradient[0] / hessian[(0, 0)], 0.0),
                 [false, true] => Vector2::new(0.0, -gradient[1] / hessian[(1, 1)]),
                 [false, false] => break,

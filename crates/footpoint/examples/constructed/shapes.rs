@@ -93,7 +93,8 @@ fn steep(add: &mut impl FnMut(&str, BsplineSurface)) -> Outcome<()> {
         add(&format!("bump h={height}"), bump(height)?);
     }
     for height in [1.0, 10.0, 100.0] {
-        let spike = |x: f64, y: f64, at: [usize; 2]| Vector3::new(x, y, if at == [4, 3] { height } else { 0.0 });
+        let spike =
+            |x: f64, y: f64, at: [usize; 2]| Vector3::new(x, y, if at == [4, 3] { height } else { 0.0 });
         add(&format!("spike 8x8 h={height}"), Net::new([3, 3], [8, 8]).build(spike)?);
         add(&format!("spike degree 7 h={height}"), Net::patch([7, 7]).build(spike)?);
     }
@@ -103,15 +104,19 @@ fn steep(add: &mut impl FnMut(&str, BsplineSurface)) -> Outcome<()> {
     add("sheared", Net::new([3, 3], [8, 8]).build(shear)?);
     let strip = |x: f64, y: f64, _: [usize; 2]| Vector3::new(1000.0 * x, y, 5.0 * (9.0 * x).sin() * y);
     add("strip 1000:1", Net::new([3, 3], [12, 5]).build(strip)?);
-    let uneven = |x: f64, y: f64, _: [usize; 2]| Vector3::new(x.powi(6), y.powi(4), 0.2 * x * (6.0 * y).cos());
+    let uneven =
+        |x: f64, y: f64, _: [usize; 2]| Vector3::new(x.powi(6), y.powi(4), 0.2 * x * (6.0 * y).cos());
     add("uneven speed", Net::new([3, 3], [9, 9]).build(uneven)?);
-    let folded = |x: f64, y: f64, _: [usize; 2]| Vector3::new((3.0 * x - 1.0) * x * (x - 1.0) * 8.0, y, x * x);
+    let folded =
+        |x: f64, y: f64, _: [usize; 2]| Vector3::new((3.0 * x - 1.0) * x * (x - 1.0) * 8.0, y, x * x);
     add("folded", Net::patch([3, 3]).build(folded)?);
     Ok(())
 }
 
 fn of_high_degree(add: &mut impl FnMut(&str, BsplineSurface)) -> Outcome<()> {
-    for degrees in [[2, 2], [4, 4], [5, 5], [6, 6], [7, 7], [9, 5], [5, 9], [15, 3], [1, 9], [9, 9], [12, 12], [15, 15]] {
+    for degrees in
+        [[2, 2], [4, 4], [5, 5], [6, 6], [7, 7], [9, 5], [5, 9], [15, 3], [1, 9], [9, 9], [12, 12], [15, 15]]
+    {
         let [p, q] = degrees;
         add(&format!("degree {p}x{q}"), Net::patch(degrees).noise(7 + p as u64, 0.4)?);
     }
@@ -159,8 +164,12 @@ fn collapsed(add: &mut impl FnMut(&str, BsplineSurface)) -> Outcome<()> {
         Vector3::new(y * angle.cos(), y * angle.sin(), 0.3 * (1.0 - y * y))
     };
     add("pole", Net::new([3, 3], [9, 6]).build(|x, y, _| cap(x, y))?);
-    add("cusped pole", Net::new([3, 3], [9, 6]).build(|x, y, _| cap(x, y) + Vector3::z() * (1.0 - y).powi(2))?);
-    let lens = |x: f64, y: f64, _: [usize; 2]| Vector3::new(x, (y - 0.5) * x * (1.0 - x), 0.2 * (x * y * 7.0).sin());
+    add(
+        "cusped pole",
+        Net::new([3, 3], [9, 6]).build(|x, y, _| cap(x, y) + Vector3::z() * (1.0 - y).powi(2))?,
+    );
+    let lens =
+        |x: f64, y: f64, _: [usize; 2]| Vector3::new(x, (y - 0.5) * x * (1.0 - x), 0.2 * (x * y * 7.0).sin());
     add("two poles", Net::new([3, 3], [7, 7]).build(lens)?);
     let triangle = |x: f64, y: f64, _: [usize; 2]| Vector3::new(x, x * y, 0.1 * (8.0 * x * y).sin());
     add("triangle", Net::patch([3, 3]).build(triangle)?);
@@ -191,7 +200,8 @@ fn floating(add: &mut impl FnMut(&str, BsplineSurface)) -> Outcome<()> {
 fn round(add: &mut impl FnMut(&str, BsplineSurface)) -> Outcome<()> {
     let sphere = Sphere::new(Frame::WORLD, 1.0)?.to_nurbs()?;
     let squeezed = |factors: [f64; 3]| -> Outcome<BsplineSurface> {
-        let points = sphere.control_points().iter().map(|p| p.component_mul(&Vector3::from(factors))).collect();
+        let points =
+            sphere.control_points().iter().map(|p| p.component_mul(&Vector3::from(factors))).collect();
         let weights = sphere.weights().map(<[f64]>::to_vec);
         Ok(BsplineSurface::new(sphere.knots_u().clone(), sphere.knots_v().clone(), points, weights)?)
     };
@@ -214,7 +224,11 @@ fn round(add: &mut impl FnMut(&str, BsplineSurface)) -> Outcome<()> {
     add("bowl", Net::patch([3, 3]).build(bowl)?);
     let tube = |x: f64, y: f64, _: [usize; 2]| {
         let (a, b) = (7.0 * x, 6.0 * y);
-        Vector3::new(2.0 * a.cos() + 0.4 * b.cos() * a.cos(), 2.0 * a.sin() + 0.4 * b.cos() * a.sin(), a + 0.4 * b.sin())
+        Vector3::new(
+            2.0 * a.cos() + 0.4 * b.cos() * a.cos(),
+            2.0 * a.sin() + 0.4 * b.cos() * a.sin(),
+            a + 0.4 * b.sin(),
+        )
     };
     add("helical tube", Net::new([3, 3], [20, 12]).build(tube)?);
     Ok(())
