@@ -109,10 +109,7 @@ impl Bend {
             let reach = reach.as_flattened().iter().copied().fold(0.0, f64::max);
             let fall = |d: usize| (slope[d] * -at[d]).min(slope[d] * (1.0 - at[d]));
             let bound = (here + fall(0).min(0.0) + fall(1).min(0.0)) - 0.5 * self.lack * reach * reach;
-            let weight = value[3].abs();
-            let length = |a: &Homogeneous| (product(a, a, 0.0) + limit_sq * a[3] * a[3]).sqrt();
-            let degrees = (1 + 2 * layout.p + 2 * layout.q) as f64;
-            let noise = error * weight * (degrees * length(value) + length(u) + length(v));
+            let noise = noise(layout, [value, u, v], limit_sq, error);
             if bound - noise > best.bound - best.noise || best.value == f64::INFINITY {
                 best = Low { place: at, value: here, bound, noise };
             }
@@ -166,15 +163,28 @@ pub(super) fn thirds(ranges: &Ranges, thirds: &[[[f64; 2]; 4]; COMPONENTS], limi
     sums
 }
 
-/// A lower bound from the polynomial of second order at the lowest place known and the third derivatives on the part.
+/// A lower bound from the polynomial of second order at a place and the third derivatives on the part.
 ///
 /// In coordinates `s` along the flattest direction there and `t` across it, `g` is at least a polynomial in `s` and, for each `s`, a
 /// parabola in `t` whose lowest point may lie off the line `t = 0` by as much as the valley bends. What this takes off grows with the
 /// fourth power of the size of a part along a valley in which the distance does not change, in whatever direction it runs.
-pub(super) fn valley(layout: Layout, net: &[f64], thirds: &[[f64; 2]; 4], limit_sq: f64, low: Low) -> Low {
-    let [value, u, v, uu, uv, vv] = layout.jet(net, low.place);
+pub(super) fn valley(
+    layout: Layout,
+    net: &[f64],
+    thirds: &[[f64; 2]; 4],
+    limit_sq: f64,
+    place: [f64; 2],
+    error: f64,
+) -> Low {
+    let [value, u, v, uu, uv, vv] = layout.jet(net, place);
     let of = |a: &Homogeneous, b: &Homogeneous| product(a, b, limit_sq);
     let here = 0.5 * of(&value, &value);
+    // Third differences add up errors.
+    let (p, q) = (layout.p as f64, layout.q as f64);
+    let sums = 8.0 * (p * p * p + q * q * q);
+    let noise = noise(layout, [&value, &u, &v], limit_sq, error)
+        + sums * error * product(&value, &value, -limit_sq).sqrt() * value[3].abs();
+    let low = Low { place, value: here, bound: f64::NEG_INFINITY, noise };
     let slope = [of(&u, &value), of(&v, &value)];
     let [a, c, b] =
         [of(&u, &u) + of(&value, &uu), of(&u, &v) + of(&value, &uv), of(&v, &v) + of(&value, &vv)];
@@ -183,9 +193,7 @@ pub(super) fn valley(layout: Layout, net: &[f64], thirds: &[[f64; 2]; 4], limit_
     // The largest coordinates on the part.
     let reach = |x: f64, y: f64| {
         let corners = [[0.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0]];
-        corners
-            .iter()
-            .fold(0.0f64, |all, [i, j]| all.max((x * (i - low.place[0]) + y * (j - low.place[1])).abs()))
+        corners.iter().fold(0.0f64, |all, [i, j]| all.max((x * (i - place[0]) + y * (j - place[1])).abs()))
     };
     let (along, across) = (reach(e, f), reach(-f, e));
     // Third derivatives in three directions: the largest absolute value.
@@ -224,7 +232,15 @@ pub(super) fn valley(layout: Layout, net: &[f64], thirds: &[[f64; 2]; 4], limit_
     let lack = (rounding - least).max(0.0);
     let fall = (slope_along + (0.5 * lack + third(x, x, x) * along / 6.0) * along) * along;
     let bound = here - fall - off * off / (2.0 * bent);
-    if bound > low.bound { Low { bound, ..low } } else { low }
+    Low { bound, ..low }
+}
+
+/// Rounding errors of `g` and of what its slopes add up to, from value and first derivatives and the error of the numbers of the net.
+#[inline(always)]
+fn noise(layout: Layout, [value, u, v]: [&Homogeneous; 3], limit_sq: f64, error: f64) -> f64 {
+    let length = |a: &Homogeneous| (product(a, a, 0.0) + limit_sq * a[3] * a[3]).sqrt();
+    let degrees = (1 + 2 * layout.p + 2 * layout.q) as f64;
+    error * value[3].abs() * (degrees * length(value) + length(u) + length(v))
 }
 
 /// The smaller eigenvalue of a symmetric matrix, and its direction.
@@ -253,7 +269,7 @@ mod tests {
             for j in 0..=layout.q {
                 let (u, v) = (i as f64 / layout.p as f64 - 0.5, j as f64 / layout.q as f64 - 0.5);
                 let w = if layout.components == COMPONENTS { 1.0 + 0.2 * size * unit() } else { 1.0 };
-                let bend = 0.4 * size * size * (unit() + u * v);
+                let bend = if seed % 4 == 0 { 0.15 } else { 0.04 } * size * size * (unit() + u * v);
                 points.push([w * size * (u + 0.5 * v), w * size * v, w * (1.0 + bend), w]);
             }
         }
@@ -265,7 +281,7 @@ mod tests {
     #[test]
     fn bounds_hold_and_are_sharp() {
         let (mut convex, mut nearly) = (0, 0);
-        for case in 0..400 {
+        for case in 0..400usize {
             let layout = Layout::new([[3, 3], [2, 4], [5, 3]][case % 3], case % 2 == 0);
             let size = [0.8, 0.3, 0.05][case % 5 % 3];
             let net = net(case as u64, layout, size);
@@ -285,7 +301,7 @@ mod tests {
             convex += usize::from(bend.lack == 0.0);
             nearly += usize::from(bend.lack > 0.0);
         }
-        assert!(convex > 40 && nearly > 20, "{convex} {nearly}");
+        assert!(convex > 15 && nearly > 50, "{convex} {nearly}");
     }
 
     #[test]
@@ -336,10 +352,8 @@ mod tests {
         let loss = |size: f64| {
             let (layout, net, distance_sq) = bowl(size);
             let ranges = layout.ranges(&net, &mut Vec::new());
-            let bend = bend(&ranges, distance_sq, 0.0).unwrap();
-            let low = bend.lowest(layout, &net, distance_sq, [0.5; 2], 1e-16);
             let thirds = thirds(&ranges, &layout.thirds(&net, &mut Vec::new()), distance_sq);
-            let better = valley(layout, &net, &thirds, distance_sq, Low { bound: low.bound, ..low });
+            let better = valley(layout, &net, &thirds, distance_sq, [0.5; 2], 1e-16);
             let mut least = f64::INFINITY;
             for k in 0..=20 {
                 for l in 0..=20 {
@@ -351,6 +365,6 @@ mod tests {
             -better.bound
         };
         let [large, small] = [loss(0.04), loss(0.02)];
-        assert!(large < 2e-5 && small > 0.0 && large / small > 12.0, "{large} {small}");
+        assert!(large < 4e-5 && small > 0.0 && large / small > 12.0, "{large} {small}");
     }
 }

@@ -31,6 +31,9 @@ const MAX_DEPTH: u32 = 160;
 /// Cuts beside the footpoint keep it away from the other part by this share.
 const MARGIN: f64 = 0.25;
 
+/// So many times as far from convex as what convexity settles, a part may have a valley.
+const VALLEYS: f64 = 64.0;
+
 /// How much a bend along the shape counts beside one away from it, when it is decided where to cut.
 const SIDEWAYS: f64 = 0.05;
 
@@ -125,7 +128,7 @@ impl<const K: usize> PatchSet<K> {
                 hulls.current.clear();
                 hulls.current.extend_from_slice(&hulls.nets[first..first + length]);
                 let net = (&hulls.current[..], &mut hulls.work);
-                match self.examine(x, index, layout, net, &mut part, chase, best, gap, scratch) {
+                match self.examine(x, index, layout, net, &mut part, chase, best, gap, cost, scratch) {
                     Finding::Dropped => break,
                     Finding::Nearer(place) => {
                         let found = self.descend(x, index, place, 30);
@@ -198,6 +201,7 @@ impl<const K: usize> PatchSet<K> {
         chase: bool,
         best: &Foot,
         gap: &Gap,
+        cost: u32,
         scratch: &mut Scratch<K>,
     ) -> Finding {
         let patch = &self.patches[index];
@@ -226,28 +230,32 @@ impl<const K: usize> PatchSet<K> {
         let ranges = layout.ranges(net, work);
         // What `g` may lose and still be high enough somewhere.
         let height = 0.5 * (facet_height(&normal).max(best.distance_sq) - limit_sq) * ranges.most_weight_sq();
-        if let Some(bend) = bend(&ranges, limit_sq, derivative_error(part.error, layout, &ranges))
-            && bend.least_loss() <= 64.0 * height
-        {
-            let mut low = bend.lowest(layout, net, limit_sq, focus.unwrap_or(facet.place), part.error);
-            if low.bound < low.noise && low.value >= low.noise {
+        let start = focus.unwrap_or(facet.place);
+        let low = match bend(&ranges, limit_sq, derivative_error(part.error, layout, &ranges)) {
+            Some(bend) if bend.least_loss() <= height => {
+                scratch.boxes_left = scratch.boxes_left.saturating_sub(cost);
+                bend.lowest(layout, net, limit_sq, start, part.error)
+            }
+            Some(bend) if bend.least_loss() <= VALLEYS * height => {
+                scratch.boxes_left = scratch.boxes_left.saturating_sub(cost);
                 let thirds = thirds(&ranges, &layout.thirds(net, work), limit_sq);
-                low = valley(layout, net, &thirds, limit_sq, low);
+                valley(layout, net, &thirds, limit_sq, start, part.error)
             }
-            if low.bound >= low.noise {
-                let tie = 0.5 * (gap.reach_sq(best.distance_sq) - limit_sq) * ranges.most_weight_sq();
-                if focus.is_none() && low.value <= tie {
-                    scratch.note_tie(index, region.place(low.place));
-                }
-                return Finding::Dropped;
+            _ => return Finding::Open { floor, direction: direction_of_cut(&ranges, &normal, limit) },
+        };
+        if low.bound >= low.noise {
+            let tie = 0.5 * (gap.reach_sq(best.distance_sq) - limit_sq) * ranges.most_weight_sq();
+            if focus.is_none() && low.value <= tie {
+                scratch.note_tie(index, region.place(low.place));
             }
-            let place = region.place(low.place);
-            if chase
-                && low.value < -low.noise
-                && self.distance_sq(x, index, place) < best.distance_sq * (1.0 - IMPROVEMENT)
-            {
-                return Finding::Nearer(place);
-            }
+            return Finding::Dropped;
+        }
+        let place = region.place(low.place);
+        if chase
+            && low.value < -low.noise
+            && self.distance_sq(x, index, place) < best.distance_sq * (1.0 - IMPROVEMENT)
+        {
+            return Finding::Nearer(place);
         }
         Finding::Open { floor, direction: direction_of_cut(&ranges, &normal, limit) }
     }
