@@ -1,6 +1,6 @@
 //! Lower bounds hold whatever stops the proof: checked against points of the surface that are computed in twice the precision.
 
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests may panic")]
 
 use footpoint::{Mode, ProjectionOptions, SurfaceProjector};
 use nalgebra::Vector3;

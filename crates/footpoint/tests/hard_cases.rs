@@ -1,6 +1,6 @@
 //! Points that are hard to project: the cases of `fixtures/projection-cases`, with what an independent search found.
 
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests may panic")]
 
 use footpoint::{Mode, ProjectionOptions, SurfaceFootpoint, SurfaceProjector, no_progress};
 use nalgebra::Vector3;

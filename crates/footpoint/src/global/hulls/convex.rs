@@ -69,8 +69,7 @@ pub(super) fn bend(ranges: &Ranges, limit_sq: f64, error: f64) -> Option<Bend> {
         spread([e0, e1], [e1, e0]) + rounding,
     );
     let across = high - ff;
-    // Written so that NaN fails.
-    if !(across > 0.0) {
+    if across.is_nan() || across <= 0.0 {
         return None;
     }
     let lack = (ef * ef / across - (low - ee)).max(0.0);
@@ -222,8 +221,7 @@ pub(super) fn valley(
     let (x, y) = ([e, f], [-f, e]);
     let rounding = 1e-13 * (a.abs() + b.abs());
     let bent = most - rounding - third(x, y, y) * along - third(y, y, y) * across / 3.0;
-    // Written so that NaN fails.
-    if !(bent > 0.0) {
+    if bent.is_nan() || bent <= 0.0 {
         return low;
     }
     let slope_along = (slope[0] * e + slope[1] * f).abs();
@@ -366,5 +364,30 @@ mod tests {
         };
         let [large, small] = [loss(0.04), loss(0.02)];
         assert!(large < 4e-5 && small > 0.0 && large / small > 12.0, "{large} {small}");
+    }
+
+    #[test]
+    fn what_a_bent_valley_takes_off() {
+        // (t + a s²)² − (a s²)², half of it: at the sides, where s = 1/2, it is lowest at t = −a / 4, and there −a² / 32.
+        let layout = Layout::new([2, 1], true);
+        for a in [0.01, 0.1, 0.5] {
+            let points: Vec<Homogeneous> = (0..6)
+                .map(|k| {
+                    let square = a * [0.25, -0.25, 0.25][k / 2];
+                    [[-0.5, 0.5][k % 2] + square, 0.0, 0.0, square]
+                })
+                .collect();
+            let mut net = Vec::new();
+            layout.push(&points, &mut net);
+            let ranges = layout.ranges(&net, &mut Vec::new());
+            let thirds = thirds(&ranges, &layout.thirds(&net, &mut Vec::new()), 1.0);
+            let low = valley(layout, &net, &thirds, 1.0, [0.5; 2], 1e-16);
+            let truth = -a * a / 32.0;
+            assert!(
+                low.bound <= truth && low.bound > 20.0 * truth - 0.1 * a,
+                "{a}: {} instead of {truth}",
+                low.bound
+            );
+        }
     }
 }
