@@ -39,6 +39,18 @@ const MEASUREMENTS: &[Measurement] = &[
         one_thread: true,
     },
     Measurement {
+        name: "projection-constructed",
+        title: "Certified projection of constructed shapes",
+        about: "Steep patches, high degrees, unequal weights, creases, collapsed edges, floating knots, large and small scales, shapes \
+                with axes and centres; queries on them, near, far and where they focus, against dense samples that are refined, and against \
+                the fast mode. Wanted: no wrong answer, no open certificate, no query above 1 ms.",
+        package: "footpoint",
+        features: "",
+        example: "constructed",
+        arguments: &[],
+        one_thread: true,
+    },
+    Measurement {
         name: "registration",
         title: "Registration from many starts",
         about: "All starts of the cases in `fixtures/register-cases`, up to 60 degrees away; errors against the certified optimum, \

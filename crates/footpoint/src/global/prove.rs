@@ -27,7 +27,10 @@ const MAX_DEPTH: u32 = 80;
 
 /// Boxes that are examined in this way before the rest is left to the control nets (see [`hulls`](super::hulls)), by the length of the
 /// rows.
-const QUICK: [u32; 3] = [32, 8, 1];
+const QUICK: [u32; 3] = [32, 24, 1];
+
+/// What each of them costs, in units of [`max_boxes`](crate::ProjectionOptions::max_boxes).
+const COST: [u32; 4] = [16, 40, 80, 150];
 
 /// Improvement of the squared distance below which a place counts as the same minimum.
 pub(super) const IMPROVEMENT: f64 = 1e-13;
@@ -88,6 +91,7 @@ impl<const K: usize> PatchSet<K> {
         let m = patch.rows();
         let mut boxes = 0u32;
         let quick = QUICK[K.min(QUICK.len()) - 1];
+        let cost = COST[K.min(COST.len()) - 1];
         'restart: loop {
             let limit_sq = gap.limit_sq(best.distance_sq);
             scratch.regions.clear();
@@ -101,12 +105,12 @@ impl<const K: usize> PatchSet<K> {
             let way = self.way_from_pole(patch, &y, best);
             let mut unresolved = 0.0f64;
             while let Some(region) = scratch.regions.pop() {
-                if boxes >= quick || scratch.boxes_left == 0 {
+                if boxes >= quick || scratch.boxes_left < cost {
                     scratch.regions.push(region);
                     break;
                 }
                 boxes += 1;
-                scratch.boxes_left -= 1;
+                scratch.boxes_left -= cost;
                 let first = scratch.regions.len() * m;
                 let mut rows = std::mem::take(&mut scratch.current);
                 rows.clear();

@@ -102,6 +102,8 @@ impl<const K: usize> PatchSet<K> {
         if bound_sq < gap.open_sq(best.distance_sq) {
             // Not proven: at least as good as without a proof.
             self.second_seeds(x, &mut best, gap, scratch);
+            scratch.boxes_left = gap.max_boxes;
+            self.search_poles(x, &mut best, gap, scratch);
         }
         bound_sq = bound_sq.min(gap.limit_sq(best.distance_sq));
         self.settle(x, &mut best);

@@ -1,6 +1,6 @@
 //! An answer does not depend on the other points of its batch: alone, in any order, in any part of the points, it has the same bits.
 
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests may panic")]
 
 use footpoint::{
     CurveFootpoint, CurveProjector, Mode, ProjectionOptions, SurfaceFootpoint, SurfaceProjector, no_progress,

@@ -2,8 +2,10 @@
 
 mod all_feet;
 mod batch_independence;
+mod certificate_bounds;
 mod facing;
 mod fast_mode;
+mod hard_cases;
 mod local_common;
 mod local_curve;
 mod local_surface;

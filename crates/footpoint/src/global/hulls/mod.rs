@@ -3,8 +3,7 @@
 //! Those coefficients grow with the square of the slope of a patch, and with its degree. What counts is the shape: the points of a
 //! part lie in the convex hull of its control points, however uneven the parameters are. A part is dropped when
 //! - a plane separates its control points from the ball that is to be empty (see [`plane`]);
-//! - the squared distance is convex on it, or nearly so, and not low enough anywhere (see [`convex`]);
-//! - the tests of the other proof say so, which are asked now and then;
+//! - the squared distance is convex on it, or nearly so, or has a valley on it, and is not low enough anywhere (see [`convex`]);
 //!
 //! and is cut in two otherwise, across the direction in which it bends more. Everything is computed from differences to the
 //! query, so that rounding errors shrink with the distance.
@@ -16,13 +15,12 @@ mod plane;
 use super::descend::Foot;
 use super::gap::Gap;
 use super::geometry::Patch;
-use super::lanes::zero_row;
 use super::patch::PatchSet;
 use super::products::restrict;
-use super::prove::{IMPROVEMENT, Levels, Verdict};
+use super::prove::IMPROVEMENT;
 use super::scratch::{Region, Scratch};
 use super::simd::vectorized;
-use convex::bend;
+use convex::{bend, thirds, valley};
 use nalgebra::Vector3;
 use net::{COMPONENTS, Layout, Ranges};
 use plane::{distance_along, facet};
@@ -30,17 +28,19 @@ use plane::{distance_along, facet};
 /// Cuts after which a part is left as it is.
 const MAX_DEPTH: u32 = 160;
 
-/// Cuts between two questions to the other proof.
-const PATIENCE: u32 = 3;
-
 /// Cuts beside the footpoint keep it away from the other part by this share.
 const MARGIN: f64 = 0.25;
+
+/// So many times as far from convex as what convexity settles, a part may have a valley.
+const VALLEYS: f64 = 64.0;
 
 /// How much a bend along the shape counts beside one away from it, when it is decided where to cut.
 const SIDEWAYS: f64 = 0.05;
 
-/// Numbers of a net, times its degrees, that are worth one box.
-const UNIT: usize = 96;
+/// What a part costs, in units of [`max_boxes`](crate::ProjectionOptions::max_boxes): so much, and one more for so many control points
+/// times degrees.
+const COST: u32 = 8;
+const UNIT: usize = 60;
 
 /// A part of a patch that is still to be examined.
 #[derive(Clone, Copy, Debug)]
@@ -50,8 +50,6 @@ pub(crate) struct Part {
     floor: f64,
     /// Error of its control points, per unit of weight.
     error: f64,
-    /// Depth at which the other proof is asked next.
-    ask_at: u32,
 }
 
 /// Buffers of this proof.
@@ -60,8 +58,9 @@ pub(crate) struct HullScratch {
     parts: Vec<Part>,
     /// Their nets, one after the other.
     nets: Vec<f64>,
-    /// The net of the part at hand.
+    /// The net of the part at hand, and a buffer.
     current: Vec<f64>,
+    work: Vec<f64>,
 }
 
 /// What a look at a part says.
@@ -108,7 +107,8 @@ impl<const K: usize> PatchSet<K> {
         let y = x - patch.centre;
         let layout = Layout::new(patch.degrees(), patch.rational);
         let length = layout.length();
-        let cost = u32::try_from(layout.count() * (layout.p + layout.q) / UNIT).unwrap_or(u32::MAX).max(1);
+        let cost =
+            COST + u32::try_from(layout.count() * (layout.p + layout.q) / UNIT).unwrap_or(u32::MAX / 2);
         let mut hulls = std::mem::take(&mut scratch.hulls);
         self.begin(patch, &y, layout, &mut hulls, scratch);
         let mut unresolved = f64::INFINITY;
@@ -127,7 +127,8 @@ impl<const K: usize> PatchSet<K> {
                 scratch.boxes_left -= cost;
                 hulls.current.clear();
                 hulls.current.extend_from_slice(&hulls.nets[first..first + length]);
-                match self.examine(x, index, layout, &hulls.current, &mut part, chase, best, gap, scratch) {
+                let net = (&hulls.current[..], &mut hulls.work);
+                match self.examine(x, index, layout, net, &mut part, chase, best, gap, cost, scratch) {
                     Finding::Dropped => break,
                     Finding::Nearer(place) => {
                         let found = self.descend(x, index, place, 30);
@@ -143,7 +144,7 @@ impl<const K: usize> PatchSet<K> {
                         let error = part.error + error_of_cut(layout.degree(direction), patch, &y);
                         hulls.nets.resize(first + 2 * length, 0.0);
                         let (low, high) = hulls.nets[first..].split_at_mut(length);
-                        layout.cut(low, high, direction, at);
+                        layout.cut(low, high, direction, at, &mut hulls.work);
                         let parts = part.region.split(direction, at);
                         hulls.parts.extend(parts.map(|region| Part { region, floor, error, ..part }));
                         break;
@@ -183,7 +184,7 @@ impl<const K: usize> PatchSet<K> {
             }
             layout.push(net, &mut hulls.nets);
             let region = Region { depth: 0, ..region };
-            hulls.parts.push(Part { region, floor: 0.0, error, ask_at: 0 });
+            hulls.parts.push(Part { region, floor: 0.0, error });
         }
     }
 
@@ -195,11 +196,12 @@ impl<const K: usize> PatchSet<K> {
         x: &Vector3<f64>,
         index: usize,
         layout: Layout,
-        net: &[f64],
+        (net, work): (&[f64], &mut Vec<f64>),
         part: &mut Part,
         chase: bool,
         best: &Foot,
         gap: &Gap,
+        cost: u32,
         scratch: &mut Scratch<K>,
     ) -> Finding {
         let patch = &self.patches[index];
@@ -225,68 +227,37 @@ impl<const K: usize> PatchSet<K> {
             }
             return Finding::Dropped;
         }
-        let ranges = layout.ranges(net);
-        let least_weight = least_weight(layout, net);
+        let ranges = layout.ranges(net, work);
         // What `g` may lose and still be high enough somewhere.
         let height = 0.5 * (facet_height(&normal).max(best.distance_sq) - limit_sq) * ranges.most_weight_sq();
-        if let Some(bend) = bend(&ranges, limit_sq, derivative_error(part.error, layout, &ranges))
-            && bend.least_loss() <= height
-        {
-            let low = bend.lowest(layout, net, limit_sq, focus.unwrap_or(facet.place), part.error);
-            if low.bound >= low.noise {
-                let tie = 0.5 * (gap.reach_sq(best.distance_sq) - limit_sq) * ranges.most_weight_sq();
-                if focus.is_none() && low.value <= tie {
-                    scratch.note_tie(index, region.place(low.place));
-                }
-                return Finding::Dropped;
+        let start = focus.unwrap_or(facet.place);
+        let low = match bend(&ranges, limit_sq, derivative_error(part.error, layout, &ranges)) {
+            Some(bend) if bend.least_loss() <= height => {
+                scratch.boxes_left = scratch.boxes_left.saturating_sub(cost);
+                bend.lowest(layout, net, limit_sq, start, part.error)
             }
-            let place = region.place(low.place);
-            if chase
-                && low.value < -low.noise
-                && self.distance_sq(x, index, place) < best.distance_sq * (1.0 - IMPROVEMENT)
-            {
-                return Finding::Nearer(place);
+            Some(bend) if bend.least_loss() <= VALLEYS * height => {
+                scratch.boxes_left = scratch.boxes_left.saturating_sub(cost);
+                let thirds = thirds(&ranges, &layout.thirds(net, work), limit_sq);
+                valley(layout, net, &thirds, limit_sq, start, part.error)
             }
+            _ => return Finding::Open { floor, direction: direction_of_cut(&ranges, &normal, limit) },
+        };
+        if low.bound >= low.noise {
+            let tie = 0.5 * (gap.reach_sq(best.distance_sq) - limit_sq) * ranges.most_weight_sq();
+            if focus.is_none() && low.value <= tie {
+                scratch.note_tie(index, region.place(low.place));
+            }
+            return Finding::Dropped;
         }
-        if K <= 2 && region.depth >= part.ask_at {
-            part.ask_at = region.depth + PATIENCE;
-            if self.settled_by_form(x, index, &region, focus, least_weight, best, gap, scratch) {
-                return Finding::Dropped;
-            }
+        let place = region.place(low.place);
+        if chase
+            && low.value < -low.noise
+            && self.distance_sq(x, index, place) < best.distance_sq * (1.0 - IMPROVEMENT)
+        {
+            return Finding::Nearer(place);
         }
         Finding::Open { floor, direction: direction_of_cut(&ranges, &normal, limit) }
-    }
-
-    /// Whether the tests of the squared distance form settle a part.
-    #[inline(always)]
-    #[expect(clippy::too_many_arguments, reason = "the query, the part and what is known")]
-    fn settled_by_form(
-        &self,
-        x: &Vector3<f64>,
-        index: usize,
-        region: &Region,
-        focus: Option<[f64; 2]>,
-        least_weight: f64,
-        best: &Foot,
-        gap: &Gap,
-        scratch: &mut Scratch<K>,
-    ) -> bool {
-        let patch = &self.patches[index];
-        let limit_sq = gap.limit_sq(best.distance_sq);
-        let mut rows = std::mem::take(&mut scratch.current);
-        rows.clear();
-        rows.resize(patch.rows(), zero_row());
-        let noise = self.fine_form(patch, &(x - patch.centre), region, limit_sq, &mut scratch.net, &mut rows);
-        let tie = (gap.reach_sq(best.distance_sq) - limit_sq) * patch.max_weight_sq;
-        // Errors are to stay a small share of the allowed gap.
-        let harmless = 0.01 * (best.distance_sq - limit_sq) * least_weight * least_weight;
-        let settled = noise <= harmless && {
-            let levels = Levels { noise, floor: noise, tie };
-            let focus = focus.map(|_| best.local);
-            matches!(self.judge(&rows, region, focus, &levels, index, scratch), Verdict::Dropped)
-        };
-        scratch.current = rows;
-        settled
     }
 }
 
@@ -301,14 +272,6 @@ fn error_of_cut(sums: usize, patch: &Patch, y: &Vector3<f64>) -> f64 {
 fn derivative_error(error: f64, layout: Layout, ranges: &Ranges) -> f64 {
     let (p, q) = (layout.p as f64, layout.q as f64);
     4.0 * error * (p * p + q * q) * ranges.most_weight_sq().sqrt()
-}
-
-#[inline(always)]
-fn least_weight(layout: Layout, net: &[f64]) -> f64 {
-    if layout.components < COMPONENTS {
-        return 1.0;
-    }
-    net[3 * layout.count()..].iter().copied().fold(f64::INFINITY, f64::min)
 }
 
 /// The squared length of the way to a place of the part.

@@ -2,6 +2,7 @@
 
 use crate::global::bernstein::basis_jet;
 use crate::global::geometry::Homogeneous;
+use crate::global::lanes::{Lanes, WIDTH};
 use nurbs_core::MAX_DEGREE;
 
 /// Components of a control point, `w (p − x)` and `w`.
@@ -66,34 +67,28 @@ impl Layout {
         [net[k], net[n + k], net[2 * n + k], w]
     }
 
-    /// Cuts a net at `at` in direction `d`; the parts below and above take its place and the one of `high`.
+    /// Cuts a net at `at` in direction `d`; the parts below and above take its place and the one of `high`. `work` is a buffer.
     #[inline(always)]
-    pub(super) fn cut(self, low: &mut [f64], high: &mut [f64], d: usize, at: f64) {
+    pub(super) fn cut(self, low: &mut [f64], high: &mut [f64], d: usize, at: f64, work: &mut Vec<f64>) {
         let (rows, columns) = (self.p + 1, self.q + 1);
         let n = rows * columns;
-        let keep = 1.0 - at;
-        high.copy_from_slice(low);
-        for c in 0..self.components {
-            let (low, high) = (&mut low[c * n..][..n], &mut high[c * n..][..n]);
+        work.resize(2 * n, 0.0);
+        let (below, above) = work.split_at_mut(n);
+        for (low, high) in low.chunks_exact_mut(n).zip(high.chunks_exact_mut(n)) {
             if d == 0 {
-                for level in 0..rows {
-                    low[level * columns..][..columns].copy_from_slice(&high[..columns]);
-                    for i in 0..rows - 1 - level {
-                        let (here, next) = high[i * columns..].split_at_mut(columns);
-                        for (a, b) in here.iter_mut().zip(&next[..columns]) {
-                            *a = *a * keep + b * at;
-                        }
-                    }
+                high.copy_from_slice(low);
+                cut_rows(low, high, columns, at);
+            } else if columns < WIDTH {
+                high.copy_from_slice(low);
+                for (low, high) in low.chunks_exact_mut(columns).zip(high.chunks_exact_mut(columns)) {
+                    cut_rows(low, high, 1, at);
                 }
             } else {
-                for (low, high) in low.chunks_exact_mut(columns).zip(high.chunks_exact_mut(columns)) {
-                    for level in 0..columns {
-                        low[level] = high[0];
-                        for j in 0..columns - 1 - level {
-                            high[j] = high[j] * keep + high[j + 1] * at;
-                        }
-                    }
-                }
+                // Long rows: turned, so that many are treated side by side.
+                transpose(low, rows, columns, above);
+                cut_rows(below, above, rows, at);
+                transpose(below, columns, rows, low);
+                transpose(above, columns, rows, high);
             }
         }
     }
@@ -132,67 +127,137 @@ impl Layout {
         jet
     }
 
-    /// Ranges of value and derivatives over the part.
+    /// Ranges of value and derivatives over the part; `work` is a buffer.
     #[inline(always)]
-    pub(super) fn ranges(self, net: &[f64]) -> Ranges {
+    pub(super) fn ranges(self, net: &[f64], work: &mut Vec<f64>) -> Ranges {
+        let (rows, columns) = (self.p + 1, self.q + 1);
+        let n = self.count();
+        let (p, q) = (self.p as f64, self.q as f64);
+        let factors = [1.0, p, q, p * (p - 1.0), p * q, q * (q - 1.0)];
         let mut parts = [[[0.0; 2]; 6]; COMPONENTS];
         parts[3][0][0] = 1.0;
-        for (c, part) in parts.iter_mut().enumerate().take(self.components) {
-            *part = self.ranges_of(net, c);
+        work.resize(3 * n, 0.0);
+        let (across, rest) = work.split_at_mut(n);
+        let (turned, turned_across) = rest.split_at_mut(n);
+        for (net, part) in net.chunks_exact(n).zip(&mut parts) {
+            // Rows side by side, and columns side by side: all differences are those of neighbouring stretches.
+            for ((to, a), b) in across.iter_mut().zip(net).zip(&net[columns..]) {
+                *to = b - a;
+            }
+            transpose(net, rows, columns, turned);
+            transpose(across, rows - 1, columns, turned_across);
+            let (u, v) = (&across[..n - columns], &turned_across[..n - columns]);
+            let values = [
+                range::<0>(net, 0),
+                range::<0>(u, 0),
+                range::<1>(turned, rows),
+                range::<1>(u, columns),
+                range::<1>(v, rows - 1),
+                range::<2>(turned, rows),
+            ];
+            for k in 0..6 {
+                part[k] = [values[k][0] * factors[k], values[k][1] * factors[k]];
+            }
         }
         Ranges { parts }
     }
 
-    /// Ranges of one component.
-    #[inline(always)]
-    fn ranges_of(self, net: &[f64], c: usize) -> [[f64; 2]; 6] {
+    /// Ranges of the third derivatives `uuu`, `uuv`, `uvv`, `vvv` of the components over the part; `work` is a buffer.
+    pub(super) fn thirds(self, net: &[f64], work: &mut Vec<f64>) -> [[[f64; 2]; 4]; COMPONENTS] {
         let (rows, columns) = (self.p + 1, self.q + 1);
+        let n = self.count();
         let (p, q) = (self.p as f64, self.q as f64);
-        let net = &net[c * rows * columns..][..rows * columns];
-        let (last_u, last_v) = (rows - 1, columns - 1);
-        let mut low = [f64::INFINITY; 6];
-        let mut high = [f64::NEG_INFINITY; 6];
-        let mut widen = |k: usize, value: f64| {
-            low[k] = if value < low[k] { value } else { low[k] };
-            high[k] = if value > high[k] { value } else { high[k] };
-        };
-        for i in 0..rows {
-            let row = &net[i * columns..][..columns];
-            for j in 0..columns {
-                widen(0, row[j]);
+        let factors =
+            [p * (p - 1.0) * (p - 2.0), p * (p - 1.0) * q, p * q * (q - 1.0), q * (q - 1.0) * (q - 2.0)];
+        let mut thirds = [[[0.0; 2]; 4]; COMPONENTS];
+        work.resize(3 * n, 0.0);
+        let (turned, rest) = work.split_at_mut(n);
+        let (along, back) = rest.split_at_mut(n);
+        for (net, third) in net.chunks_exact(n).zip(&mut thirds) {
+            transpose(net, rows, columns, turned);
+            // Differences in `v`, which are rows of the turned net, and turned back.
+            for ((to, a), b) in along.iter_mut().zip(&*turned).zip(&turned[rows..]) {
+                *to = b - a;
             }
-            for j in 0..last_v {
-                widen(2, row[j + 1] - row[j]);
+            transpose(along, columns - 1, rows, back);
+            let v = &back[..rows * (columns - 1)];
+            third[0] = range::<3>(net, columns);
+            third[1] = range::<2>(v, columns - 1);
+            third[3] = range::<3>(turned, rows);
+            // And the other way about.
+            for ((to, a), b) in along.iter_mut().zip(net).zip(&net[columns..]) {
+                *to = b - a;
             }
-            for j in 1..last_v {
-                widen(5, (row[j + 1] - row[j]) - (row[j] - row[j - 1]));
-            }
-            if i < last_u {
-                let next = &net[(i + 1) * columns..][..columns];
-                for j in 0..columns {
-                    widen(1, next[j] - row[j]);
-                }
-                for j in 0..last_v {
-                    widen(4, (next[j + 1] - row[j + 1]) - (next[j] - row[j]));
-                }
-                if i > 0 {
-                    let before = &net[(i - 1) * columns..][..columns];
-                    for j in 0..columns {
-                        widen(3, (next[j] - row[j]) - (row[j] - before[j]));
-                    }
-                }
+            transpose(along, rows - 1, columns, back);
+            third[2] = range::<2>(&back[..(rows - 1) * columns], rows - 1);
+            for k in 0..4 {
+                third[k] = [third[k][0] * factors[k], third[k][1] * factors[k]];
             }
         }
-        let factors = [1.0, p, q, p * (p - 1.0), p * q, q * (q - 1.0)];
-        let mut out = [[0.0; 2]; 6];
-        for k in 0..6 {
-            // Directions of degree 1 have no second differences.
-            if low[k] <= high[k] {
-                out[k] = [0.5 * (high[k] + low[k]) * factors[k], 0.5 * (high[k] - low[k]) * factors[k]];
-            }
-        }
-        out
+        thirds
     }
+}
+
+/// De Casteljau's scheme on rows of a length: `high` becomes its part above `at`, `low` the one below.
+#[inline(always)]
+fn cut_rows(low: &mut [f64], high: &mut [f64], row: usize, at: f64) {
+    let keep = 1.0 - at;
+    let length = high.len();
+    for first in (0..length).step_by(row) {
+        low[first..first + row].copy_from_slice(&high[..row]);
+        for next in (row..length - first).step_by(row) {
+            let (before, after) = high.split_at_mut(next);
+            for (a, b) in before[next - row..].iter_mut().zip(&after[..row]) {
+                *a = *a * keep + b * at;
+            }
+        }
+    }
+}
+
+/// `to` becomes `from`, row by row of `columns`, with rows and columns exchanged.
+#[inline(always)]
+fn transpose(from: &[f64], rows: usize, columns: usize, to: &mut [f64]) {
+    for (i, row) in from.chunks_exact(columns).take(rows).enumerate() {
+        for (j, value) in row.iter().enumerate() {
+            to[j * rows + i] = *value;
+        }
+    }
+}
+
+/// Middle and half of the length of the range of the differences of an order between neighbouring rows of a length; zeros if there are
+/// none. Eight at a time.
+#[inline(always)]
+fn range<const ORDER: usize>(values: &[f64], row: usize) -> [f64; 2] {
+    let Some(last) = values.get(ORDER * row..).filter(|last| !last.is_empty()) else { return [0.0; 2] };
+    let stretch = |k: usize| &values[k.min(ORDER) * row..][..last.len()];
+    let (first, second, third) = (stretch(0), stretch(1), stretch(2));
+    let mut low = [f64::INFINITY; WIDTH];
+    let mut high = [f64::NEG_INFINITY; WIDTH];
+    let difference = |a: f64, b: f64, c: f64, d: f64| match ORDER {
+        0 => a,
+        1 => b - a,
+        2 => (c - b) - (b - a),
+        _ => ((d - c) - (c - b)) - ((c - b) - (b - a)),
+    };
+    let firsts = first.chunks_exact(WIDTH);
+    let (seconds, thirds) = (second.chunks_exact(WIDTH), third.chunks_exact(WIDTH));
+    let lasts = last.chunks_exact(WIDTH);
+    let rest = firsts.remainder().iter().zip(seconds.remainder());
+    let rest = rest.zip(thirds.remainder()).zip(lasts.remainder());
+    for (((a, b), c), d) in rest {
+        let value = difference(*a, *b, *c, *d);
+        low[0] = if value < low[0] { value } else { low[0] };
+        high[0] = if value > high[0] { value } else { high[0] };
+    }
+    for (((a, b), c), d) in firsts.zip(seconds).zip(thirds).zip(lasts) {
+        for l in 0..WIDTH {
+            let value = difference(a[l], b[l], c[l], d[l]);
+            low[l] = if value < low[l] { value } else { low[l] };
+            high[l] = if value > high[l] { value } else { high[l] };
+        }
+    }
+    let (low, high) = (Lanes(low).horizontal_min(), Lanes(high).horizontal_max());
+    [0.5 * (high + low), 0.5 * (high - low)]
 }
 
 #[cfg(test)]
@@ -207,12 +272,12 @@ mod tests {
 
     #[test]
     fn both_parts_are_the_same_surface() {
-        for degrees in [[3, 3], [1, 4], [9, 2]] {
+        for degrees in [[3, 3], [1, 4], [9, 2], [2, 9]] {
             let layout = Layout::new(degrees, true);
             let whole = net(layout);
             for d in 0..2 {
                 let (mut low, mut high) = (whole.clone(), vec![0.0; whole.len()]);
-                layout.cut(&mut low, &mut high, d, 0.3);
+                layout.cut(&mut low, &mut high, d, 0.3, &mut Vec::new());
                 for place in [[0.1, 0.7], [0.9, 0.2], [1.0, 1.0]] {
                     let mut at = [place; 2];
                     at[0][d] *= 0.3;
@@ -234,7 +299,8 @@ mod tests {
         for degrees in [[3, 3], [1, 4], [5, 1]] {
             let layout = Layout::new(degrees, true);
             let net = net(layout);
-            let ranges = layout.ranges(&net);
+            let ranges = layout.ranges(&net, &mut Vec::new());
+            let thirds = layout.thirds(&net, &mut Vec::new());
             for k in 0..=20 {
                 let place = [0.05 * f64::from(k), (0.37 * f64::from(k)).fract()];
                 let jet = layout.jet(&net, place);
@@ -245,6 +311,22 @@ mod tests {
                             "{degrees:?} {c} {value:?} {middle} {half}"
                         );
                     }
+                    // Third derivatives by differences of second ones.
+                    let step = |d: usize| {
+                        let h = 1e-6;
+                        let mut to = place;
+                        to[d] += h;
+                        let there = layout.jet(&net, to);
+                        [3, 4, 5].map(|k| (there[k][c] - jet[k][c]) / h)
+                    };
+                    let (u, v) = (step(0), step(1));
+                    for (value, [middle, half]) in [u[0], u[1], u[2], v[2]].into_iter().zip(thirds[c]) {
+                        assert!(
+                            (value - middle).abs() <= half + 1e-2,
+                            "{degrees:?} {c} {value} {middle} {half}"
+                        );
+                    }
+                    assert!((u[1] - v[0]).abs() < 1e-2 && (u[2] - v[1]).abs() < 1e-2);
                 }
             }
         }

@@ -1,6 +1,7 @@
 //! Planes that separate a part of a patch from the query, as far as the control net tells.
 
 use super::net::{COMPONENTS, Layout};
+use crate::global::lanes::{Lanes, WIDTH};
 
 /// The parallelogram that a part resembles, seen from the query.
 pub(super) struct Facet {
@@ -80,18 +81,31 @@ pub(super) fn distance_along(layout: Layout, net: &[f64], direction: &[f64; 3]) 
     let (x, rest) = net.split_at(n);
     let (y, rest) = rest.split_at(n);
     let (z, w) = rest.split_at(n);
-    let mut least = f64::INFINITY;
+    let mut least = [f64::INFINITY; WIDTH];
+    let keep = |least: &mut f64, value: f64| *least = if value < *least { value } else { *least };
+    let whole = n - n % WIDTH;
     if layout.components == COMPONENTS {
-        for k in 0..n {
-            let value = ((x[k] * unit[0] + y[k] * unit[1]) + z[k] * unit[2]) / w[k];
-            least = if value < least { value } else { least };
+        for k in (0..whole).step_by(WIDTH) {
+            let [x, y, z, w] = [&x[k..k + WIDTH], &y[k..k + WIDTH], &z[k..k + WIDTH], &w[k..k + WIDTH]];
+            for l in 0..WIDTH {
+                keep(&mut least[l], ((x[l] * unit[0] + y[l] * unit[1]) + z[l] * unit[2]) / w[l]);
+            }
+        }
+        for k in whole..n {
+            keep(&mut least[0], ((x[k] * unit[0] + y[k] * unit[1]) + z[k] * unit[2]) / w[k]);
         }
     } else {
-        for k in 0..n {
-            let value = (x[k] * unit[0] + y[k] * unit[1]) + z[k] * unit[2];
-            least = if value < least { value } else { least };
+        for k in (0..whole).step_by(WIDTH) {
+            let [x, y, z] = [&x[k..k + WIDTH], &y[k..k + WIDTH], &z[k..k + WIDTH]];
+            for l in 0..WIDTH {
+                keep(&mut least[l], (x[l] * unit[0] + y[l] * unit[1]) + z[l] * unit[2]);
+            }
+        }
+        for k in whole..n {
+            keep(&mut least[0], (x[k] * unit[0] + y[k] * unit[1]) + z[k] * unit[2]);
         }
     }
+    let least = Lanes(least).horizontal_min();
     if least.is_finite() { least } else { 0.0 }
 }
 
