@@ -13,6 +13,7 @@ pub enum Status {
     OnBoundary,
     /// The optimality conditions hold, in the interior or at the boundary, but a certificate was asked for and stayed open:
     /// `distance − lower_bound` is larger than the options allow, so that another point may be nearer by as much.
+    /// Rounding does not count: the square of a lower bound on a curve is not known better than some 1e-14 of the squared size.
     Uncertified,
     /// Steps became negligible, but the optimality conditions do not hold.
     Stalled,

@@ -6,7 +6,7 @@
 //! slope has not vanished is led on by the slope, as long as the distance does not grow by more than its rounding error.
 //!
 //! With `m` the unit roundoff `ε / 2`, positive weights and a net within `ρ` of its origin, a sum `Σ B w p / Σ B w` in Bernstein
-//! form has an error of at most `(p + q + 4) · 2m · ρ`, since its terms add up to at most `ρ Σ B w` ([Hig02, section 5.3]). In powers
+//! form has an error of at most `(p + q + 4) · 2m · ρ`, since its terms add up to at most `ρ Σ B w` (\[Hig02, section 5.3\]). In powers
 //! about the middle the coefficients are up to `2^(p + q)` times as large as the net, in which the largest weight `w₊` counts:
 //! `2^(p + q) · (p + q + 4) · 2m · ρ w₊ / w`. Derivatives lose a factor of twice the degree more, the quotient another `w₊ / w`.
 

@@ -13,6 +13,9 @@ use nalgebra::SVector;
 use nurbs_core::BsplineCurve;
 use std::borrow::Cow;
 
+/// Rounding error of the squared distance form of a piece, as a share of the squared size of the model.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
 /// Projects points onto one or several B-spline or NURBS curves of `R^D`.
 ///
 /// ```
@@ -337,7 +340,12 @@ impl<const D: usize, const K: usize> Batch<D> for CurveQuery<'_, D, K> {
                 // Along a continuum no point is better than another: there is nothing to converge to.
                 out.status = Status::Converged;
             }
-            if out.status.is_converged() && !self.gap.is_closed(out.distance, out.lower_bound) {
+            // Squares of lengths are not known better than this: close to a curve it limits what can be proven.
+            let piece = &self.set.pieces[foot.piece];
+            let size_sq = self.set.size * self.set.size + foot.distance_sq;
+            let rounding_sq = ROUNDING * size_sq * piece.max_weight_sq / piece.min_weight_sq;
+            let bound = (bound_sq + rounding_sq).sqrt();
+            if out.status.is_converged() && !self.gap.is_closed(out.distance, bound) {
                 out.status = Status::Uncertified;
             }
         }
