@@ -130,6 +130,17 @@ const MEASUREMENTS: &[Measurement] = &[
         one_thread: true,
     },
     Measurement {
+        name: "primitives",
+        title: "Primitives against a minimiser with many starts",
+        about: "Pieces of 10 to 360 degrees in both directions, noise up to a hundredth of the radius, up to 45 % outliers, clouds that \
+                leave a shape open. Wanted: no fit that says converged above the lowest known root mean square by more than a part in 1e9.",
+        package: "sdm-fit",
+        features: "",
+        example: "primitive_fits",
+        arguments: &["2"],
+        one_thread: true,
+    },
+    Measurement {
         name: "real-fits",
         title: "Fits of real data",
         about: "Sections of an airfoil and of a scanned blade, the outline of a horse in an image, a side of the blade: as the data ask for, and \

@@ -16,6 +16,7 @@ use sdm_fit::primitive::{
     PrimitiveFit, PrimitiveOptions, PrimitiveOutliers, PrimitiveStatus, fit_circle, fit_circle_in_space,
     fit_cone, fit_cylinder, fit_line, fit_plane, fit_sphere, fit_torus,
 };
+use std::f64::consts::TAU;
 
 /// What is looked at in a fit.
 struct Answer {
@@ -87,23 +88,29 @@ fn main() {
 
 /// Least squares over all points of pieces.
 fn pieces(kind: Kind, seeds: u64) {
-    let angles = [10.0, 20.0, 45.0, 90.0, 180.0, 360.0];
+    let angles = [10u32, 20, 45, 90, 180, 360];
     let (mut counts, mut wrong, mut times) = ([0usize; 7], Vec::new(), [(0.0, 0usize); 2]);
     for seed in 0..seeds {
         for turn in angles {
             for across in angles {
                 // One angle alone describes what has no second direction.
                 if matches!(kind, Kind::Line | Kind::Circle | Kind::CircleInSpace | Kind::Sphere)
-                    && across != 360.0
+                    && across != 360
                 {
                     continue;
                 }
                 for noise in [0.0, 1e-4, 1e-2] {
-                    let piece = Piece { turn, across, noise, outliers: 0.0, count: 200 };
-                    let scene = scene(kind, piece, seed * 1000 + turn as u64 * 37 + across as u64);
+                    let piece = Piece {
+                        turn: f64::from(turn),
+                        across: f64::from(across),
+                        noise,
+                        outliers: 0.0,
+                        count: 200,
+                    };
+                    let scene = scene(kind, piece, seed * 1000 + u64::from(turn) * 37 + u64::from(across));
                     let start = seconds();
                     let found = fitted(kind, &scene.points, &PrimitiveOptions::default());
-                    let full = usize::from(turn < 360.0 || across < 360.0);
+                    let full = usize::from(turn < 360 || across < 360);
                     times[full].0 += seconds() - start;
                     times[full].1 += 1;
                     count(&mut counts, &found);
@@ -155,10 +162,16 @@ fn is_found(scene: &Scene, found: &Answer, noise: f64) -> bool {
 fn among_outliers(kind: Kind, share: f64, seeds: u64) {
     let (mut counts, mut good, mut wrong, mut time) = ([0usize; 7], 0, Vec::new(), 0.0);
     for seed in 0..2 * seeds {
-        for (turn, across) in [(90.0, 90.0), (180.0, 180.0), (360.0, 360.0)] {
+        for (turn, across) in [(90u32, 90u32), (180, 180), (360, 360)] {
             for noise in [0.0, 1e-3, 1e-2] {
-                let piece = Piece { turn, across, noise, outliers: share, count: 200 };
-                let scene = scene(kind, piece, seed * 977 + turn as u64);
+                let piece = Piece {
+                    turn: f64::from(turn),
+                    across: f64::from(across),
+                    noise,
+                    outliers: share,
+                    count: 200,
+                };
+                let scene = scene(kind, piece, seed * 977 + u64::from(turn));
                 for outliers in [
                     PrimitiveOutliers::Tukey { abs_scale: None },
                     PrimitiveOutliers::Trimmed { share: scene.inliers as f64 / 200.0 },
@@ -202,14 +215,14 @@ fn special() {
     };
     let torus = |major: f64, minor: f64| {
         move |r: &mut Random| {
-            let (a, b) = (r.between(0.0, 6.28), r.between(0.0, 6.28));
+            let (a, b) = (r.between(0.0, TAU), r.between(0.0, TAU));
             let out = major + minor * b.cos();
             Vector3::new(out * a.cos(), out * a.sin(), minor * b.sin())
         }
     };
     let cone = |angle: f64| {
         move |r: &mut Random| {
-            let (a, s) = (r.between(0.0, 6.28), r.between(0.3, 1.3));
+            let (a, s) = (r.between(0.0, TAU), r.between(0.3, 1.3));
             let angle = angle.to_radians();
             Vector3::new(s * angle.sin() * a.cos(), s * angle.sin() * a.sin(), s * angle.cos())
         }

@@ -168,7 +168,9 @@ fn hessian<const D: usize, M: Model<D>>(
     lengths: &DVector<f64>,
 ) -> Option<DMatrix<f64>> {
     let n = M::UNKNOWNS;
-    let h = 1e-5 * (points.len() as f64).sqrt();
+    // Well within the scale of the loss.
+    let width = if let Worth::Tukey(scale) = worth { (0.01 * scale).min(1e-5) } else { 1e-5 };
+    let h = width * (points.len() as f64).sqrt();
     let mut matrix = DMatrix::zeros(n, n);
     for k in 0..n {
         let mut step = [0.0; MAX_UNKNOWNS];

@@ -1,4 +1,5 @@
-//! Fits among outliers: many starts, a few of which are free of them, and whether the outcome is told apart.
+//! Fits among outliers: random subsets, some of which are free of them ([FB81]), and a few steps towards the nearest points
+//! ([RD06]).
 
 use super::descend::{Trial, descend};
 use super::minimise::{Minimum, minimise};
@@ -39,8 +40,8 @@ pub(super) const TUKEY: f64 = 4.685;
 const LEAST: f64 = 1e-12;
 const ROUNDED: f64 = 1e3;
 
-/// Share of the scale up to which distances have a weight of 1, and are least squares.
-const WHOLE: f64 = 0.01;
+/// Multiple of the least scale up to which the points that count are fitted by least squares.
+const NARROW: f64 = 10.0;
 
 /// What is assumed about outliers, in the frame of the cloud.
 #[derive(Clone, Copy, Debug)]
@@ -135,14 +136,16 @@ pub(super) fn robust<const D: usize, M: Model<D>>(
     let trials = distinct(trials, &centre, IMPROVED);
     starts.extend(trials.into_iter().map(|t| (score(&t.model, &judges, nearing), t.model)));
     starts.sort_by(|a, b| a.0.total_cmp(&b.0));
-    starts.truncate(TRIED);
+    // Shapes with one minimum need no more than a start that is free of outliers.
+    let (most, better) = if M::SEVERAL { (TRIED, IMPROVED) } else { (TRIED / 4, IMPROVED / 4) };
+    starts.truncate(most);
     let closer = |points: &[SVector<f64, D>], model: M, rounds: usize| {
         let model = concentrated(model, points, nearing, rounds);
         Trial { cost: score(&model, points, nearing), model, settled: true }
     };
     let mut tried = parallel::tasks(starts.len(), |k| closer(&judges, starts[k].1.clone(), 3));
     tried.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    let tried = distinct(tried, &centre, IMPROVED);
+    let tried = distinct(tried, &centre, better);
     let mut improved = parallel::tasks(tried.len(), |k| closer(&sample, tried[k].model.clone(), 25));
     improved.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     improved.retain(|t| t.cost.is_finite());
@@ -275,10 +278,9 @@ fn tukey<const D: usize, M: Model<D>>(
     let worth = Worth::Tukey(current);
     let counts = |x: &SVector<f64, D>| worth.counts(minimum.model.distance_sq(x));
     let used: Vec<usize> = (0..points.len()).filter(|&i| counts(&points[i])).collect();
-    // Points on the shape up to rounding: the scale is too small for differences of gradients.
-    let places: Vec<_> = used.iter().map(|&i| points[i]).collect();
-    let whole = |x: &SVector<f64, D>| minimum.model.distance_sq(x).sqrt() <= WHOLE * current;
-    if places.len() >= M::UNKNOWNS.div_ceil(M::ROWS) && places.iter().all(whole) {
+    // Points on the shape up to rounding: the biweight is as narrow as that, and no sum to be differentiated.
+    if current <= NARROW * least && used.len() >= M::UNKNOWNS.div_ceil(M::ROWS) {
+        let places: Vec<_> = used.iter().map(|&i| points[i]).collect();
         let mut finished = minimise(minimum.model, &places, Worth::Square, limit);
         finished.iterations += minimum.iterations;
         return (finished, Worth::Square, used, current);

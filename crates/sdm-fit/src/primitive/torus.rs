@@ -60,7 +60,8 @@ impl TorusModel {
         let across = distance - major;
         let q = across.hypot(height);
         // The foot of the origin, unless the data are all around: then the outermost circle, where the ring is least curved.
-        let near = (q - minor).abs() < 0.3 * minor.min(1.0) && q > 0.0;
+        let near =
+            q > 0.0 && (q - minor).abs() < 0.3 * minor.min(1.0) && major + minor * (across / q) > 0.1 * major;
         let (cos, sin) = if near { (across / q, height / q) } else { (1.0, 0.0) };
         let rho = major + minor * cos;
         if rho <= 0.0 {

@@ -6,6 +6,7 @@ use sdm_fit::primitive::{
     PrimitiveOptions, PrimitiveOutliers, PrimitiveStatus, fit_circle_in_space, fit_cone, fit_cylinder,
     fit_line, fit_plane, fit_sphere, fit_torus,
 };
+use std::f64::consts::TAU;
 
 fn points(name: &str) -> Vec<Vector3<f64>> {
     let path = format!("{}/../../fixtures/primitives/{name}", env!("CARGO_MANIFEST_DIR"));
@@ -51,7 +52,7 @@ fn the_exact_torus_of_a_short_piece() {
 
 #[test]
 fn short_pieces_of_tori_are_found_again() {
-    for (k, turn, tube) in [(1, 0.8, 0.8), (2, 0.35, 1.6), (3, 1.6, 0.35), (4, 6.28, 0.8)] {
+    for (k, turn, tube) in [(1, 0.8, 0.8), (2, 0.35, 1.6), (3, 1.6, 0.35), (4, TAU, 0.8)] {
         let found = fit_torus(&ring(1.0, 0.7, turn, tube, k), &PrimitiveOptions::default()).unwrap();
         assert!(found.is_converged() && found.rms < 1e-13, "{turn} {tube}: {found}");
         assert!((found.shape.minor_radius() - 0.7).abs() < 1e-9, "{turn} {tube}");
@@ -73,7 +74,7 @@ fn a_torus_among_outliers() {
 #[test]
 fn exact_points_among_outliers_converge() {
     let mut next = numbers(9);
-    let mut cloud = ring(1.0, 0.4, 6.28, 6.28, 5);
+    let mut cloud = ring(1.0, 0.4, TAU, TAU, 5);
     cloud.truncate(140);
     cloud.extend((0..60).map(|_| Vector3::new(next() - 0.5, next() - 0.5, next() - 0.5) * 3.0));
     for shift in [0.0, 1e5] {
@@ -115,7 +116,7 @@ fn as_many_points_as_unknowns_are_ambiguous() {
 #[test]
 fn what_is_no_ring_ends_on_the_boundary() {
     // The tube of this torus meets its axis.
-    let found = fit_torus(&ring(0.6, 1.0, 6.28, 6.28, 7), &PrimitiveOptions::default()).unwrap();
+    let found = fit_torus(&ring(0.6, 1.0, TAU, TAU, 7), &PrimitiveOptions::default()).unwrap();
     assert_eq!(found.status, PrimitiveStatus::OnBoundary);
     assert!(found.shape.major_radius() > found.shape.minor_radius() && found.rms < 0.25, "{found}");
 }
