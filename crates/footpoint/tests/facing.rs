@@ -6,7 +6,12 @@ use footpoint::{Facing, ProjectionOptions, Status, SurfaceFootpoint, SurfaceProj
 use nalgebra::Vector3;
 use nurbs_core::{BsplineSurface, Cylinder, Frame, Interval, KnotVector, ParametricSurface, Sphere};
 
-fn find(projector: &SurfaceProjector, x: Vector3<f64>, direction: Vector3<f64>, degrees: f64) -> SurfaceFootpoint {
+fn find(
+    projector: &SurfaceProjector,
+    x: Vector3<f64>,
+    direction: Vector3<f64>,
+    degrees: f64,
+) -> SurfaceFootpoint {
     let facing = Facing::new(&direction, degrees.to_radians()).unwrap();
     projector.facing_foot(&x, &projector.project(&x), &facing, &ProjectionOptions::default())
 }
@@ -47,7 +52,8 @@ fn walls_are_measured_on_the_face_that_agrees() {
         let s = f64::from(k);
         let at = |step: f64| 0.1 + 0.8 * (s * step).fract();
         let x = Vector3::new(at(0.618), at(0.414), 0.5 * (s * 0.732).fract() - 0.45);
-        let direction = Vector3::new(0.4 * (s * 0.9).sin(), 0.3 * s.cos(), if k % 3 == 0 { -1.0 } else { 1.0 });
+        let direction =
+            Vector3::new(0.4 * (s * 0.9).sin(), 0.3 * s.cos(), if k % 3 == 0 { -1.0 } else { 1.0 });
         let facing = Facing::new(&direction, 1.0).unwrap();
         let listed = sheets.iter().flat_map(|sheet| minima(sheet, &x));
         let best = listed.filter(|(_, n)| facing.agrees(n)).map(|(d, _)| d).fold(f64::INFINITY, f64::min);
@@ -110,7 +116,10 @@ fn on_a_kink_any_side_counts() {
     let x = Vector3::new(0.0, 0.5, 0.7);
     for direction in [Vector3::new(1.0, 0.0, 1.0), Vector3::new(-1.0, 0.0, 1.0)] {
         let found = find(&projector, x, direction, 5.0);
-        assert_eq!((found.point, found.distance, found.status), (Vector3::new(0.0, 0.5, 0.0), 0.7, Status::Converged));
+        assert_eq!(
+            (found.point, found.distance, found.status),
+            (Vector3::new(0.0, 0.5, 0.0), 0.7, Status::Converged)
+        );
         assert!(found.lower_bound > 0.699);
     }
     assert_eq!(find(&projector, x, Vector3::z(), 5.0).status, Status::NoMatchingFoot);

@@ -79,11 +79,16 @@ fn measure(program: &Path, folder: &Path, count: u64) -> Result<(), Error> {
     fs::write(folder.join("surface.json"), square)?;
     write_cloud(&folder.join("cloud.ply"), count)?;
     let size = fs::metadata(folder.join("cloud.ply"))?.len();
-    println!("{count} points, file of {:.1} bytes a point; largest resident memory, bytes a point:", size as f64 / count as f64);
+    println!(
+        "{count} points, file of {:.1} bytes a point; largest resident memory, bytes a point:",
+        size as f64 / count as f64
+    );
     for model in ["mesh.off", "surface.json"] {
         for options in [&[][..], &["-o", "out.ply"], &["-o", "out.csv"], &["--report", "page.html"]] {
-            let arguments: Vec<&str> =
-                ["inspect", model, "cloud.ply", "-t", "0.05"].into_iter().chain(options.iter().copied()).collect();
+            let arguments: Vec<&str> = ["inspect", model, "cloud.ply", "-t", "0.05"]
+                .into_iter()
+                .chain(options.iter().copied())
+                .collect();
             let bytes = peak(program, folder, &arguments)?;
             println!("{model:<13} {:<18} {:>6.1}", options.join(" "), bytes as f64 / count as f64);
         }

@@ -166,12 +166,15 @@ fn cloud<'a>(content: &'a Content, job: &Job<'_>, is_planar: bool) -> Result<Clo
     }
     if job.max_angle.is_some() && normals.is_none() {
         let what = "the points have no normals, which --max-angle needs";
-        return Err(Error::content(job.points, what, "leave it out, or give a file with normals (nx, ny, nz)"));
+        return Err(Error::content(
+            job.points,
+            what,
+            "leave it out, or give a file with normals (nx, ny, nz)",
+        ));
     }
     let is_usable = |normal: &Vector3<f64>| normal.iter().all(|c| c.is_finite()) && normal.amax() > 0.0;
     let weights = normals.filter(|normals| job.max_angle.is_some() && !normals.iter().all(is_usable));
-    let weights =
-        weights.map(|normals| normals.iter().map(|n| f64::from(u8::from(is_usable(n)))).collect());
+    let weights = weights.map(|normals| normals.iter().map(|n| f64::from(u8::from(is_usable(n)))).collect());
     let positions = cloud.positions().iter().map(|point| point.coords).collect();
     Ok(Cloud { positions, normals, weights })
 }
@@ -243,9 +246,11 @@ fn register(
     let tell = |_: &StepRecord| progress.tick();
     let mut options = job.options;
     if let Some(angle) = job.max_angle {
-        options.rejection = Rejection { oriented_normals: true, ..options.rejection.with_normal_angle(angle) };
+        options.rejection =
+            Rejection { oriented_normals: true, ..options.rejection.with_normal_angle(angle) };
     }
-    let source = Source { points: &cloud.positions, normals: cloud.normals, weights: cloud.weights.as_deref() };
+    let source =
+        Source { points: &cloud.positions, normals: cloud.normals, weights: cloud.weights.as_deref() };
     field
         .register(&source, start, &options, &tell)
         .map_err(|error| Error::content(job.points, error.to_string(), "check it with `indgeo info`"))

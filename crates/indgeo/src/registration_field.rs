@@ -52,10 +52,8 @@ impl RegistrationField {
             Self::Space(field) => register_with_progress(field.as_ref(), source, start, options, progress),
             Self::Plane(field) => {
                 let points: Vec<_> = source.points.iter().map(Vector3::xy).collect();
-                let normals: Option<Vec<_>> =
-                    source.normals.map(|all| all.iter().map(Vector3::xy).collect());
-                let source =
-                    Source { points: &points, normals: normals.as_deref(), weights: source.weights };
+                let normals: Option<Vec<_>> = source.normals.map(|all| all.iter().map(Vector3::xy).collect());
+                let source = Source { points: &points, normals: normals.as_deref(), weights: source.weights };
                 let report = register_with_progress(
                     field.as_ref(),
                     &source,

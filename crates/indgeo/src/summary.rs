@@ -93,7 +93,11 @@ fn write_inspection(text: &mut String, report: &Report, found: &Inspection) -> s
         }
     }
     if found.restricted > 0 {
-        writeln!(text, "  normals   {} points are measured on a face that is not the nearest", found.restricted)?;
+        writeln!(
+            text,
+            "  normals   {} points are measured on a face that is not the nearest",
+            found.restricted
+        )?;
     }
     if let Some(distance) = &total.distance {
         let [min, max, mean] = [distance.min, distance.max, distance.mean].map(plain);

@@ -115,7 +115,11 @@ impl Target {
             Self::Mesh(_) => "neighbouring triangles disagree on the side of their normals",
             Self::Plane(_) | Self::Space { .. } => "the model has curves, which have no normals",
         };
-        Err(Error::content(path, what, "leave out --max-angle, or give a model of surfaces or an oriented mesh"))
+        Err(Error::content(
+            path,
+            what,
+            "leave out --max-angle, or give a model of surfaces or an oriented mesh",
+        ))
     }
 
     /// Projects all points; `path` is the file they came from. With an angle, in radians, only feet count whose normals are

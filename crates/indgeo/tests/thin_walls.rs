@@ -74,8 +74,11 @@ fn a_scan_is_judged_by_the_face_it_was_scanned_from() {
     let bench = bench();
     let right = [0.02, -0.05, -0.46, -0.48, -0.10, 0.03];
     for model in ["sheet.off", "faces.json"] {
-        let run = |options: &str| bench.run(&format!("inspect {model} scan.csv -t 0.12 -o out.csv --json - {options}"));
-        for options in ["--along normal", "--max-angle 60", "--max-angle 90", "--along 0,0,1 --max-angle 90"] {
+        let run = |options: &str| {
+            bench.run(&format!("inspect {model} scan.csv -t 0.12 -o out.csv --json - {options}"))
+        };
+        for options in ["--along normal", "--max-angle 60", "--max-angle 90", "--along 0,0,1 --max-angle 90"]
+        {
             let found = run(options);
             assert_eq!(found.code, 1, "{model} {options}: {}", found.stderr);
             assert_near(&distances(&bench), &right, &format!("{model} {options}"));
@@ -95,7 +98,10 @@ fn a_scan_is_judged_by_the_face_it_was_scanned_from() {
 #[test]
 fn below_the_back_a_point_is_still_measured_from_the_front() {
     let bench = bench();
-    bench.put("scan.csv", "x,y,z,nx,ny,nz\n50,30,-0.6,0,0,1\n50,30,-0.6,0,0,-2\n0.1,30,-0.3,0,0,1\n-0.1,30,-0.3,0,0,1\n");
+    bench.put(
+        "scan.csv",
+        "x,y,z,nx,ny,nz\n50,30,-0.6,0,0,1\n50,30,-0.6,0,0,-2\n0.1,30,-0.3,0,0,1\n-0.1,30,-0.3,0,0,1\n",
+    );
     for model in ["sheet.off", "faces.json"] {
         bench.run(&format!("inspect {model} scan.csv -t 0.12 --max-angle 45 -o out.csv"));
         let expected = [-0.6, 0.1, -0.3, -0.1f64.hypot(0.3)];
@@ -116,8 +122,16 @@ fn points_without_a_normal_or_a_foot_are_told_apart() {
     ] {
         let run = bench.run(&format!("inspect {model} scan.csv -t 0.12 {options} -o out.csv --json -"));
         assert_eq!(run.code, 0, "{model} {options}: {}", run.stderr);
-        assert_eq!(column(&bench, "result"), ["within", "no_normal", "no_normal", "invalid_point"], "{model}");
-        assert!(run.stderr.contains("2 of 4 points have a normal that is zero or not finite"), "{}", run.stderr);
+        assert_eq!(
+            column(&bench, "result"),
+            ["within", "no_normal", "no_normal", "invalid_point"],
+            "{model}"
+        );
+        assert!(
+            run.stderr.contains("2 of 4 points have a normal that is zero or not finite"),
+            "{}",
+            run.stderr
+        );
         assert_eq!(run.report()["results"]["verdict"]["judged"], 1);
     }
     // Nothing faces sideways at 45 degrees upwards: the points count as out of tolerance.
@@ -128,7 +142,8 @@ fn points_without_a_normal_or_a_foot_are_told_apart() {
         ("sheet.off", "--along 0,0,1 --max-angle 30"),
         ("faces.json", "--along 0,0,1 --max-angle 30"),
     ] {
-        let run = bench.run(&format!("inspect {model} scan.csv -t 0.12 {options} -o out.csv --report page.html"));
+        let run =
+            bench.run(&format!("inspect {model} scan.csv -t 0.12 {options} -o out.csv --report page.html"));
         assert_eq!(run.code, 1, "{model} {options}");
         assert_eq!(column(&bench, "result"), ["no_matching_foot", "within"], "{model} {options}");
         assert!(run.stdout.starts_with("FAIL: 1 of 2 points within"), "{}", run.stdout);
@@ -153,7 +168,11 @@ fn normals_that_point_inwards_are_noticed() {
     bench.put("scan.csv", TOP.replace("0,0,1\n", "0,0,-1\n"));
     let run = bench.run("inspect sheet.off scan.csv -t 0.12 --along normal");
     assert_eq!(run.code, 1);
-    assert!(run.stderr.contains("turn them if they point inwards, or give --max-angle 180"), "{}", run.stderr);
+    assert!(
+        run.stderr.contains("turn them if they point inwards, or give --max-angle 180"),
+        "{}",
+        run.stderr
+    );
 }
 
 #[test]
@@ -174,10 +193,16 @@ fn what_has_no_normals_refuses_the_option() {
         ("inspect sheet.off scan.csv -t 1 --max-angle 181", "above 0, at most 180"),
         ("inspect sheet.off scan.csv -t 1 --max-angle nan", "above 0, at most 180"),
         ("project sheet.off bare.csv -o out.csv --max-angle 60", "the points have no normals"),
-        ("project curve.json flat.csv -o out.csv --max-angle 60", "the model has curves, which have no normals"),
+        (
+            "project curve.json flat.csv -o out.csv --max-angle 60",
+            "the model has curves, which have no normals",
+        ),
         ("project torn.off scan.csv -o out.csv --max-angle 60", "disagree on the side of their normals"),
         ("register sheet.off bare.csv -o out.ply --max-angle 60", "the points have no normals"),
-        ("register curve.json flat.csv -o out.ply --max-angle 60", "the model has curves, which have no normals"),
+        (
+            "register curve.json flat.csv -o out.ply --max-angle 60",
+            "the model has curves, which have no normals",
+        ),
         ("register bare.csv flat.csv -o out.ply --max-angle 60", "the model is a cloud without normals"),
         ("register torn.off scan.csv -o out.ply --max-angle 60", "disagree on the side of their normals"),
     ] {

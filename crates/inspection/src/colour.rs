@@ -101,7 +101,10 @@ mod tests {
         // What is best has the colour of the middle, where it is a limit as well.
         for (lower, upper) in [(0.0, 0.3), (-0.3, 0.0)] {
             let scale = ColourScale::new(Tolerance::new(lower, upper).unwrap());
-            assert_eq!([lower, upper, 0.0].map(|d| scale.place(d)), [lower, upper, 0.0].map(|d| d / 0.3 * 0.55));
+            assert_eq!(
+                [lower, upper, 0.0].map(|d| scale.place(d)),
+                [lower, upper, 0.0].map(|d| d / 0.3 * 0.55)
+            );
         }
     }
 

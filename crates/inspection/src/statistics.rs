@@ -185,7 +185,10 @@ mod tests {
         let mut moments = Moments::new(2);
         moments.extend([1.0, 1.0, 1.0 + f64::EPSILON, 1.0]);
         let s = moments.statistics().unwrap();
-        assert!(!s.quantiles_exact && s.quantiles.iter().all(|q| (s.min..=s.max).contains(&q.value)), "{s:?}");
+        assert!(
+            !s.quantiles_exact && s.quantiles.iter().all(|q| (s.min..=s.max).contains(&q.value)),
+            "{s:?}"
+        );
         let mut moments = Moments::new(2);
         moments.extend([-1.0; 4]);
         let s = moments.statistics().unwrap();

@@ -150,7 +150,11 @@ impl<const D: usize> Bvh<D> {
             while node.count == 0 {
                 let children = &self.nodes[node.first..node.first + 2];
                 let distance = |child: usize| {
-                    if keeps(node.first + child) { children[child].bounds.distance_sq(x) } else { f64::INFINITY }
+                    if keeps(node.first + child) {
+                        children[child].bounds.distance_sq(x)
+                    } else {
+                        f64::INFINITY
+                    }
                 };
                 let distances = [distance(0), distance(1)];
                 let near = usize::from(distances[1] < distances[0]);

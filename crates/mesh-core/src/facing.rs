@@ -102,7 +102,12 @@ impl MeshProjector {
     /// The unit normal, weighted by their angles, of the triangles at a point of the mesh whose normals are within `max_angle`
     /// of `direction`; zero if there is none.
     #[must_use]
-    pub fn facing_normal(&self, point: &Point3<f64>, direction: &Vector3<f64>, max_angle: f64) -> Vector3<f64> {
+    pub fn facing_normal(
+        &self,
+        point: &Point3<f64>,
+        direction: &Vector3<f64>,
+        max_angle: f64,
+    ) -> Vector3<f64> {
         let facing = Facing { direction, max_angle, cosine: max_angle.cos() };
         let sum = self.sum_at(point, |place| facing.agrees(self.normals.face(place)));
         sum.try_normalize(0.0).unwrap_or_else(Vector3::zeros)

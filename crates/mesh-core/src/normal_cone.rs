@@ -93,6 +93,10 @@ mod tests {
         let cone = NormalCone::of(&Vector3::z()).merged(&NormalCone::of(&tilted));
         assert!(cone.may_face(&Vector3::z(), 0.1) && !cone.may_face(&-Vector3::z(), 1.0));
         assert!(!NormalCone::EMPTY.may_face(&Vector3::z(), 3.0));
-        assert!(NormalCone::of(&Vector3::z()).merged(&NormalCone::of(&-Vector3::z())).may_face(&Vector3::x(), 0.1));
+        assert!(
+            NormalCone::of(&Vector3::z())
+                .merged(&NormalCone::of(&-Vector3::z()))
+                .may_face(&Vector3::x(), 0.1)
+        );
     }
 }

@@ -71,7 +71,8 @@ fn the_nearest_triangle_that_agrees_is_found() {
 
             let line = numbers.vector();
             let hits = (0..400).filter(|&t| agrees(t));
-            let hits = hits.filter_map(|t| Some((t, apart[t].nearest_on_line(&x, &line).unwrap()?.offset.abs())));
+            let hits =
+                hits.filter_map(|t| Some((t, apart[t].nearest_on_line(&x, &line).unwrap()?.offset.abs())));
             let best = hits.min_by(|a, b| a.1.total_cmp(&b.1));
             let found = projector.nearest_on_line_facing(&x, &line, &direction, max_angle).unwrap();
             assert_eq!(found.map(|hit| (hit.triangle, hit.offset.abs())), best, "{max_angle}");

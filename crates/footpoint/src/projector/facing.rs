@@ -41,8 +41,7 @@ pub(super) fn restricted<const K: usize>(
     match set.facing_side(place, facing) {
         Some(side) if side == place => return *nearest,
         Some((patch, local)) => {
-            let foot =
-                Foot { patch, local, distance_sq: nearest.distance.powi(2), steps: 0, settled: true };
+            let foot = Foot { patch, local, distance_sq: nearest.distance.powi(2), steps: 0, settled: true };
             let out = set.finish(x, &foot);
             return SurfaceFootpoint {
                 lower_bound: nearest.lower_bound.min(out.distance),
@@ -91,9 +90,8 @@ impl<const K: usize> PatchSet<K> {
             return Some(place);
         }
         let here = self.place(place.0, place.1);
-        let is_here = |side: &(usize, [f64; 2])| {
-            (self.place(side.0, side.1) - here).norm() <= SAME_POINT * self.size
-        };
+        let is_here =
+            |side: &(usize, [f64; 2])| (self.place(side.0, side.1) - here).norm() <= SAME_POINT * self.size;
         self.around(place.0, place.1).into_iter().find(|side| is_here(side) && agrees(side))
     }
 
@@ -109,7 +107,9 @@ impl<const K: usize> PatchSet<K> {
         let harvest = self.minima(x, limit * limit, gap);
         let mut best: Option<SurfaceFootpoint> = None;
         let mut offer = |foot: &Foot| {
-            let Some((patch, local)) = self.facing_side((foot.patch, foot.local), facing) else { return false };
+            let Some((patch, local)) = self.facing_side((foot.patch, foot.local), facing) else {
+                return false;
+            };
             let out = self.finish(x, &Foot { patch, local, ..*foot });
             let rank = |foot: &SurfaceFootpoint| (foot.distance, foot.shape, foot.parameter);
             let nearer = best.as_ref().is_none_or(|best| rank(&out) < rank(best));

@@ -47,8 +47,7 @@ impl<const D: usize> CurvesNominal<D> {
         receive: &mut dyn FnMut(&[(usize, Deviation)]),
     ) {
         let at = |index: usize| SVector::from_fn(|i, _| points[index][i]);
-        let treat =
-            |index: usize, foot: &CurveFootpoint<D>| finish(self.deviation(&at(index), foot));
+        let treat = |index: usize, foot: &CurveFootpoint<D>| finish(self.deviation(&at(index), foot));
         self.projector.project_each(points.len(), &at, &options.projection, progress, &treat, receive);
     }
 

@@ -143,8 +143,12 @@ mod tests {
     fn the_largest_distance_is_proven_too() {
         let mut options = InspectionOptions::new(Tolerance::symmetric(0.1).unwrap()).with_max_distance(1.0);
         let at = |options: &InspectionOptions, outcome, distance: f64, bound: f64| {
-            let deviation =
-                Deviation { distance, gap: distance.abs() - bound, on_boundary: true, ..Deviation::none(outcome) };
+            let deviation = Deviation {
+                distance,
+                gap: distance.abs() - bound,
+                on_boundary: true,
+                ..Deviation::none(outcome)
+            };
             Judge::new(options, 1.0, true).judged(deviation).outcome
         };
         assert_eq!(at(&options, Outcome::Measured, 1.5, 1.5), Outcome::BeyondMaxDistance);

@@ -118,7 +118,12 @@ impl MeshNominal {
     }
 
     /// The unit normal at a foot that [`shortest`](Self::shortest) has found, or [`along`](Self::along).
-    pub(super) fn normal(&self, record: &DeviationRecord, is_hit: bool, facing: Option<&Facing>) -> Vector3<f64> {
+    pub(super) fn normal(
+        &self,
+        record: &DeviationRecord,
+        is_hit: bool,
+        facing: Option<&Facing>,
+    ) -> Vector3<f64> {
         let triangle = record.triangle() as usize;
         let feature = match record.place {
             Place::TriangleEdge => Feature::Edge(record.corner),

@@ -10,7 +10,8 @@ mod trace;
 
 use crate::options::unit;
 use crate::{
-    Along, Backdrop, Deviation, DeviationRecord, Error, Inspection, InspectionOptions, Outcome, Partial, Place,
+    Along, Backdrop, Deviation, DeviationRecord, Error, Inspection, InspectionOptions, Outcome, Partial,
+    Place,
 };
 use analytic::AnalyticNominal;
 use curves::CurvesNominal;
@@ -326,9 +327,7 @@ impl Nominal {
                 let bounds = trace::Traceable::bounds(nominal);
                 (bounds.max - bounds.min).max()
             }
-            Kind::Mesh(nominal) => {
-                nominal.mesh().bounding_box().map_or(0.0, |bounds| bounds.extent().max())
-            }
+            Kind::Mesh(nominal) => nominal.mesh().bounding_box().map_or(0.0, |bounds| bounds.extent().max()),
         }
     }
 

@@ -86,7 +86,9 @@ pub(super) fn along<T: Traceable>(
         }
         Traced { refused, .. } if refused == f64::INFINITY => return Deviation::none(Outcome::NoHit),
         // Whether there is another crossing, too far away, makes a difference.
-        Traced { .. } if reach < f64::INFINITY => return along(surfaces, x, direction, f64::INFINITY, facing),
+        Traced { .. } if reach < f64::INFINITY => {
+            return along(surfaces, x, direction, f64::INFINITY, facing);
+        }
         Traced { .. } => return Deviation::none(Outcome::NoMatchingFoot),
     };
     let normal = hit.jet.unit_normal().unwrap_or_default();
@@ -220,7 +222,8 @@ impl<T: Traceable> Line<'_, T> {
         let (domain, _) = self.surfaces.domain(hit.shape);
         let at_end = |axis: usize| {
             let slack = END * domain[axis].length();
-            hit.parameter[axis] - domain[axis].start() <= slack || domain[axis].end() - hit.parameter[axis] <= slack
+            hit.parameter[axis] - domain[axis].start() <= slack
+                || domain[axis].end() - hit.parameter[axis] <= slack
         };
         if !(at_end(0) || at_end(1)) {
             return None;
