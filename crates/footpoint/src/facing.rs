@@ -48,8 +48,9 @@ impl Facing {
     /// At a right angle a surface that stands upright does not agree. A normal without length never does.
     #[must_use]
     pub fn agrees(&self, normal: &Vector3<f64>) -> bool {
-        let length = normal.norm();
-        length > 0.0 && normal.dot(&self.direction) >= self.cosine * length
+        let largest = normal.amax();
+        let normal = normal / largest;
+        largest > 0.0 && normal.dot(&self.direction) >= self.cosine * normal.norm()
     }
 }
 
@@ -65,6 +66,7 @@ mod tests {
         assert!(up.agrees(&Vector3::new(5.0, 0.0, 1e-9)) && !up.agrees(&Vector3::x()));
         assert!(!up.agrees(&-Vector3::z()) && !up.agrees(&Vector3::zeros()));
         assert!(!up.agrees(&Vector3::repeat(f64::NAN)));
+        assert!(up.agrees(&(Vector3::z() * 1e-300)) && up.agrees(&(Vector3::z() * 1e300)));
         assert!(Facing::new(&Vector3::z(), PI).unwrap().agrees(&-Vector3::z()));
         for angle in [0.0, -1.0, 4.0, f64::NAN] {
             assert!(Facing::new(&Vector3::z(), angle).is_err(), "{angle}");

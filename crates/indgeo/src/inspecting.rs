@@ -112,10 +112,12 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Inspection, Erro
     let kept = if job.out.is_some() || job.page.is_some() { points.positions.len() } else { 0 };
     let found = Timings::measure(&mut timings.compute, || -> Result<_, inspection::Error> {
         let tell = |done: usize, total: usize| progress.report(done, total);
-        let mut records = vec![DeviationRecord::none(Outcome::Cancelled); kept];
+        let mut records = Vec::new();
         let mut partial = Partial::new(&options)?;
         let mut receive = |measured: &[(usize, Deviation)]| {
             partial.extend_with(0, &points.positions, measured);
+            // Not before what sorts the points has given back its memory.
+            records.resize(kept, DeviationRecord::none(Outcome::Cancelled));
             for (index, deviation) in measured {
                 if let Some(record) = records.get_mut(*index) {
                     *record = deviation.into();

@@ -82,7 +82,7 @@ impl Partial {
     /// left out.
     pub fn extend_with(&mut self, first: u64, points: &[Point3<f64>], measured: &[(usize, Deviation)]) {
         self.add(|| {
-            measured.iter().filter_map(|(index, deviation)| {
+            measured.iter().filter_map(move |(index, deviation)| {
                 Some((first + *index as u64, points.get(*index)?, deviation))
             })
         });

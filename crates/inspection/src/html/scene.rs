@@ -52,11 +52,11 @@ pub(super) fn pack(page: &Page<'_>) -> Packed {
 
     let inside =
         |point: &Point3<f64>| is_finite(point) && share(point).iter().all(|s| (0.0..=1.0).contains(s));
-    let visible = || (page.points.iter().zip(0u32..)).filter(|(p, _)| inside(p)).map(|(_, i)| i);
-    let count = visible().count();
+    let visible = (page.points.iter().zip(0u32..)).filter(|(p, _)| inside(p)).map(|(_, i)| i);
+    let count = visible.clone().count();
     let outside = page.points.len() - count;
     let stride = count.div_ceil(page.most_points.max(1)).max(1);
-    let kept: Vec<u32> = visible().step_by(stride).collect();
+    let kept: Vec<u32> = visible.step_by(stride).collect();
     let listed = kept.iter().zip((0u32..).step_by(stride)).any(|(&index, expected)| index != expected);
 
     let points = kept.iter().map(|&index| share(&page.points[index as usize]));
