@@ -120,7 +120,7 @@ fn ascii_stl_is_read_without_its_name_and_with_words_apart() {
             .replace("endsolid", "end solid")
             .replace("endfacet", "end facet")
             .replace("endloop", "end loop"),
-        whole.replace("solid part\n", "").replace("end", "end"),
+        whole.replacen("solid part\n", "", 1),
         whole.lines().filter(|line| !line.contains("solid")).map(|line| format!("{line}\r\n")).collect(),
         whole.to_uppercase(),
         whole.replace("outer loop", "outerloop").replace("solid part", "solid facet vertex"),
