@@ -1,6 +1,10 @@
 //! Open edges that are one edge but for rounding, and those that are not.
 
-#![allow(clippy::unwrap_used, reason = "a test may panic")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::cast_possible_truncation,
+    reason = "a test may panic, and rounds on purpose"
+)]
 
 use mesh_core::{MeshProjector, TriangleMesh};
 use nalgebra::Point3;
