@@ -159,9 +159,9 @@ impl<'a> Iterator for Fields<'a> {
                 length = at;
                 break;
             }
-            let spaced = at > 0 && is_blank(start[at - 1]);
+            let spaced = at == 0 || is_blank(start[at - 1]);
             // A comment begins after a blank.
-            if spaced && starts_comment(&start[at..]) {
+            if at > 0 && spaced && starts_comment(&start[at..]) {
                 (length, comment) = (at, Some(&start[at..]));
                 break;
             }
