@@ -90,8 +90,7 @@ pub(crate) fn tell(common: &Common, outcome: &Outcome, warnings: &[String]) -> R
     }
     if !common.json.as_deref().is_some_and(files::is_stream) {
         let mut stdout = std::io::stdout().lock();
-        let written = writeln!(stdout, "{}", outcome.summary.trim_end())
-            .and_then(|()| stdout.flush());
+        let written = writeln!(stdout, "{}", outcome.summary.trim_end()).and_then(|()| stdout.flush());
         if let Err(source) = written
             && source.kind() != std::io::ErrorKind::BrokenPipe
         {
