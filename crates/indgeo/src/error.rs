@@ -45,7 +45,7 @@ pub(crate) enum Error {
     #[error("{}", errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("\nerror: "))]
     Files {
         /// One per file.
-        errors: Vec<Error>,
+        errors: Vec<Self>,
     },
     /// Options that cannot be used.
     #[error("{what}; {advice}")]

@@ -136,9 +136,9 @@ impl TriangleMesh {
     /// along open edges that differ by no more than the rounding of the coordinates.
     ///
     /// Files without shared vertices, such as STL, and files that repeat vertices for the sake of normals or texture
-    /// become connected when triangles are read through this map. Rounding is 1e-9 of the diagonal, or two units in
-    /// the last place of a single, or of the last decimal or digit where all coordinates are written with 6 to 9 of
-    /// them. Two open edges are joined where both ends agree; never so that a triangle loses its area, that two sides
+    /// become connected when triangles are read through this map. Rounding is 1e-9 of the diagonal;
+    /// for singles two units in the last place, or 1e-7 of the largest coordinate; one unit of the last decimal or digit
+    /// where the coordinates are written with 6 to 9 of them. Two open edges are joined where both ends agree; never so that a triangle loses its area, that two sides
     /// of a thin sheet become one, or that more than two triangles meet. O(n log n).
     ///
     /// ```

@@ -12,11 +12,11 @@ use crate::{BoundingBox, MeshTopology};
 
 /// Part of the diagonal that is rounding in files of doubles.
 const PART: f64 = 1e-9;
-/// Two units in the last place of a single, as a part of the largest coordinate.
+/// Two units in the last place of a single, as a part of the number.
 const SINGLE: f64 = 2.0 / 8_388_608.0;
-/// Decimals of `%f`, and significant digits of `%g` and `%e`: files that are written with so many, and no more than
-/// [`MOST_DIGITS`], were rounded to them.
-const DECIMALS: std::ops::RangeInclusive<i32> = 6..=9;
+/// What sine and cosine of right angles leave in single precision, as a part of the largest coordinate.
+const RESIDUE: f64 = 1e-7;
+/// Decimals of `%f`, and significant digits of `%g` and `%e`: files that are written with so many were rounded to them.
 const DIGITS: std::ops::RangeInclusive<i32> = 6..=9;
 /// The last digit counts as rounding only up to this part of the diagonal.
 const COARSEST: f64 = 1e-5;
@@ -134,19 +134,23 @@ impl Precision {
         let mut absolute = PART * diagonal;
         let mut relative = 0.0;
         if numbers().all(is_single) {
-            absolute = absolute.max(SINGLE * largest);
+            absolute = absolute.max(RESIDUE * largest);
+            relative = SINGLE;
         } else {
-            let (decimals, digits) = numbers().fold((0, 0), |(decimals, digits), number| {
-                (most(decimals, number, 0), most(digits, number, exponent(number)))
-            });
             // A little more than a unit, for what is lost when the decimal number becomes a double.
-            let unit = 1.01 * 10f64.powi(-decimals);
-            if DECIMALS.contains(&decimals) && unit <= COARSEST * diagonal {
-                absolute = absolute.max(unit);
+            let unit = |digits: i32| 1.01 * 10f64.powi(-digits);
+            let lengths = |from: fn(f64) -> i32| {
+                numbers().filter(|&number| number != 0.0).map(move |number| digits(number, from(number)))
+            };
+            if let Some(decimals) = rounded_to(lengths(|_| 0))
+                && unit(decimals) <= COARSEST * diagonal
+            {
+                absolute = absolute.max(unit(decimals));
             }
-            let unit = 1.01 * 10f64.powi(1 - digits);
-            if DIGITS.contains(&digits) && unit * largest <= COARSEST * diagonal {
-                relative = unit;
+            if let Some(digits) = rounded_to(lengths(exponent))
+                && unit(digits - 1) * largest <= COARSEST * diagonal
+            {
+                relative = unit(digits - 1);
             }
         }
         Some(Self { absolute, relative, largest: absolute.max(relative * largest) })
@@ -171,15 +175,26 @@ fn exponent(number: f64) -> i32 {
     if number == 0.0 { 0 } else { -1 - number.abs().log10().floor() as i32 }
 }
 
-/// The number of digits of `number` after the place `from`, if it is more than `digits`; one more than can matter where
-/// there is no end to them.
-fn most(digits: i32, number: f64, from: i32) -> i32 {
+/// The number of digits of `number` after the place `from`; one more than can matter where there is no end to them.
+fn digits(number: f64, from: i32) -> i32 {
     let is_whole = |digits: i32| {
         let scaled = number.abs() * 10f64.powi((digits + from).clamp(-300, 300));
         (scaled - scaled.round()).abs() <= 4.0 * f64::EPSILON * scaled
     };
     let last = *DIGITS.end() + 1;
-    (digits..last).find(|&digits| is_whole(digits)).unwrap_or(last)
+    (0..last).find(|&digits| is_whole(digits)).unwrap_or(last)
+}
+
+/// The number of digits to which numbers were rounded: that of the longest, if half of them have so many or one less, as
+/// they have unless they were chosen to be round. Zeros are not to be counted.
+fn rounded_to(lengths: impl Iterator<Item = i32> + Clone) -> Option<i32> {
+    let longest = lengths.clone().max()?;
+    let (mut known, mut long) = (0usize, 0usize);
+    for length in lengths {
+        known += 1;
+        long += usize::from(length + 1 >= longest);
+    }
+    (DIGITS.contains(&longest) && 2 * long >= known).then_some(longest)
 }
 
 /// Two open edges that agree.

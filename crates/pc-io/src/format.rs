@@ -150,7 +150,7 @@ fn by_content(data: &[u8]) -> Option<Format> {
     if text.starts_with(b"{") {
         return Some(Format::Json);
     }
-    if crate::off::header(text).is_some() {
+    if crate::off::header(crate::off::without_comments(text)).is_some() {
         return Some(Format::Off);
     }
     if crate::stl::looks_like_text(head) {

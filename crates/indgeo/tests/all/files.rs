@@ -115,10 +115,7 @@ fn results_can_be_read_again() {
     );
     assert_eq!(bench.text("d.csv"), bench.text("e.csv"));
     let run = bench.run("info a.csv");
-    assert!(run.stderr.contains("not read: the column \"status\", which holds text"), "{}", run.stderr);
-    assert!(
-        run.stdout.contains("foot_x, foot_y, foot_z, distance, shape, u, v, lower_bound\n"),
-        "{}",
-        run.stdout
-    );
+    for name in ["foot_x, foot_y, foot_z, distance, shape, u, v", "lower_bound", "status"] {
+        assert!(run.stdout.contains(name), "{name}: {}", run.stdout);
+    }
 }

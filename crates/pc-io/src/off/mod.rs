@@ -43,6 +43,16 @@ pub(crate) fn header(text: &[u8]) -> Option<Header> {
     (found && follows).then_some(Header { texture, colours, normals, other_dimension, length: at })
 }
 
+/// What follows after blank lines and comments.
+pub(crate) fn without_comments(data: &[u8]) -> &[u8] {
+    let mut rest = data.trim_ascii_start();
+    while rest.starts_with(b"#") {
+        let length = rest.iter().position(|byte| matches!(byte, b'\n' | b'\r')).unwrap_or(rest.len());
+        rest = rest[length..].trim_ascii_start();
+    }
+    rest
+}
+
 /// How the numbers are spread over lines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Arrangement {
@@ -65,7 +75,7 @@ const ARRANGEMENTS: [Arrangement; 5] = [
 
 /// Reads points with normals and colours, and triangles. Comments may stand anywhere.
 pub(crate) fn read(source: Source<'_>) -> Result<Parsed, Error> {
-    let start = source.data.iter().take_while(|byte| byte.is_ascii_whitespace()).count();
+    let start = source.data.len() - without_comments(source.data).len();
     let header = header(&source.data[start..])
         .ok_or_else(|| source.line_error(start, "an OFF file begins with the word OFF", EXPORT))?;
     let mut tokens = Tokens::new(source, start + header.length);
@@ -85,7 +95,9 @@ pub(crate) fn read(source: Source<'_>) -> Result<Parsed, Error> {
         return Err(source.line_error(at, what, EXPORT));
     };
     // The number of edges means nothing, and may be missing at the end of a line.
-    let next = tokens.offset();
+    let mut after = tokens.clone();
+    let _ = after.next_in_line();
+    let next = after.offset();
     let both = vertices.saturating_mul(6).saturating_add(faces.saturating_mul(2));
     source.check_promise(next, format_args!("vertices and {faces} faces"), vertices, 6, true)?;
     source.check_promise(

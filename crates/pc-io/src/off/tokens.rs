@@ -64,7 +64,8 @@ impl<'a> Tokens<'a> {
     }
 
     /// Offset of what comes next.
-    pub(super) const fn offset(&self) -> usize {
-        self.start + self.at
+    pub(super) fn offset(&self) -> usize {
+        let left = self.line[self.at..].iter().any(|&byte| !is_blank(byte));
+        if left { self.start + self.at } else { self.lines.offset() }
     }
 }

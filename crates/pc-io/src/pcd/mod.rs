@@ -26,7 +26,7 @@ pub(crate) fn read(source: Source<'_>) -> Result<Parsed, Error> {
     let mut warnings = std::mem::take(&mut header.warnings);
     let mut columns = empty_columns(&header.fields);
     match header.encoding {
-        Encoding::Ascii => read_text(source, &header, &mut columns)?,
+        Encoding::Ascii => read_text(source, &header, &mut columns, &mut warnings)?,
         Encoding::Binary => read_binary(source, &header, &mut columns)?,
         Encoding::Compressed => read_compressed(source, &header, &mut columns)?,
     }
@@ -100,7 +100,12 @@ fn unpack_colours(column: &PcdColumn) -> Colours {
     }
 }
 
-fn read_text(source: Source<'_>, header: &Header, columns: &mut [PcdColumn]) -> Result<(), Error> {
+fn read_text(
+    source: Source<'_>,
+    header: &Header,
+    columns: &mut [PcdColumn],
+    warnings: &mut Vec<String>,
+) -> Result<(), Error> {
     let per_point: usize = header.fields.iter().map(|field| field.count).sum();
     let points = source.check_promise(header.end, "points", header.points, 2 * per_point.max(1), true)?;
     for column in columns.iter_mut() {
@@ -145,7 +150,10 @@ fn read_text(source: Source<'_>, header: &Header, columns: &mut [PcdColumn]) -> 
             "{} follows after the {points} points that the header tells of",
             quoted(line.trim_ascii())
         );
-        return Err(source.line_error(at, what, "correct POINTS, or WIDTH and HEIGHT, in the header"));
+        if points == 0 {
+            return Err(source.line_error(at, what, "correct POINTS, or WIDTH and HEIGHT, in the header"));
+        }
+        warnings.push(format!("{what} (line {})", source.line_at(at)));
     }
     Ok(())
 }

@@ -54,7 +54,7 @@ pub(crate) fn read(source: Source<'_>) -> Result<Parsed, Error> {
     if rows.overlong > 0 {
         warnings.push(format!("{} rows hold more numbers than the header has properties", rows.overlong));
     }
-    rows.check_end(elements)?;
+    rows.check_end(elements, &mut warnings)?;
     let cloud = match points {
         Some(_) => assemble(columns, &mut warnings).map_err(not_points)?,
         None => mesh_core::PointCloud::new(Vec::new()),

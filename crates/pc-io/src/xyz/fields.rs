@@ -153,16 +153,20 @@ impl<'a> Iterator for Fields<'a> {
         }
         let mut length = start.len();
         let mut comment = None;
-        for (at, &byte) in start.iter().enumerate() {
+        let mut at = 0;
+        while let Some(&byte) = start.get(at) {
             if separator.is(byte) {
                 length = at;
                 break;
             }
+            let spaced = at == 0 || is_blank(start[at - 1]);
             // A comment begins after a blank.
-            if at > 0 && is_blank(start[at - 1]) && starts_comment(&start[at..]) {
+            if at > 0 && spaced && starts_comment(&start[at..]) {
                 (length, comment) = (at, Some(&start[at..]));
                 break;
             }
+            // Words in quotes stay together wherever they stand.
+            at += if spaced { quoted_length(&start[at..]).unwrap_or(1) } else { 1 };
         }
         self.rest = comment.or_else(|| start.get(length + 1..));
         Some(Field { text: start[..length].trim_ascii(), quoted: false })
@@ -186,6 +190,7 @@ mod tests {
         assert_eq!(split(comma, " 1, 2 ,\"a, \"\"b\"\"\",,x y ,"), ["1", "2", "a, \"\"b\"\"", "", "x y", ""]);
         assert_eq!(split(comma, "\"a\"b,2"), ["\"a\"b", "2"]);
         assert_eq!(split(comma, "1,2 # a, b"), ["1", "2"]);
+        assert_eq!(split(Separator::Byte(b';'), "1 \"a;b\" 2"), ["1 \"a;b\" 2"]);
         assert_eq!(split(comma, "1,#N/A,3"), ["1", "#N/A", "3"]);
         assert_eq!(split(comma, "P#1,2,3//"), ["P#1", "2", "3//"]);
         assert_eq!(split(Separator::Byte(b'\t'), "1\t\t 3 \t"), ["1", "", "3", ""]);

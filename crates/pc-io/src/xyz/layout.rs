@@ -24,6 +24,8 @@ pub(super) struct Layout {
     pub(super) notation: Notation,
     /// Names of the columns, where there is a header line.
     pub(super) names: Option<Vec<String>>,
+    /// Number of columns, where it does not follow from the names or the first row: words behind the last number are one text.
+    pub(super) width: Option<usize>,
     /// Places of the columns that hold text.
     pub(super) texts: Vec<usize>,
     /// Places of columns without a name in which nothing was seen: separators at the ends of lines, or two in a row.
@@ -157,6 +159,7 @@ impl Layout {
             separator: Separator::Blank,
             notation: PLAIN,
             names: None,
+            width: None,
             texts: Vec::new(),
             blanks: Vec::new(),
             label: None,
@@ -354,8 +357,15 @@ impl Layout {
             self.label = label.or(before);
             return;
         }
-        let width = seen.len();
-        let texts: Vec<usize> = (0..width).filter(|&place| is_text(place)).collect();
+        let mut width = seen.len();
+        let mut texts: Vec<usize> = (0..width).filter(|&place| is_text(place)).collect();
+        let last_number = (0..width).rfind(|place| !texts.contains(place));
+        if let Some(last) = last_number.filter(|last| self.separator == Separator::Blank && last + 2 < width)
+        {
+            width = last + 2;
+            self.width = Some(width);
+            texts.retain(|&place| place < width);
+        }
         let is_number = |place: &usize| !texts.contains(place) && !self.blanks.contains(place);
         let numbers: Vec<usize> = (0..width).filter(is_number).collect();
         // Without a header, a point with text has three coordinates, or two after its name.

@@ -25,7 +25,7 @@ pub(super) fn guess(rows: &Rows, layout: &Layout, warnings: &mut Vec<String>) ->
         names[place] = name.unwrap_or_else(|| by_place(place));
     }
     layout.blanks.iter().filter(|&&place| place < rows.width).for_each(|&place| names[place].clear());
-    if let Some(label) = layout.label {
+    if let Some(label) = layout.label.filter(|&label| label < rows.width) {
         "name".clone_into(&mut names[label]);
     }
     if rows.width - layout.blanks.len().min(rows.width) > 3 && !rows.values.is_empty() {

@@ -96,7 +96,7 @@ fn assemble_rows(
     drop(values);
     let cloud = assemble(columns, warnings).map_err(not_points)?;
     let mut attributes = cloud.attributes().clone();
-    for (field, &place) in texts.into_iter().zip(&layout.texts) {
+    for (field, &place) in texts.into_iter().zip(&layout.texts).filter(|(_, place)| **place < names.len()) {
         let name =
             if names[place].is_empty() { format!("column_{}", place + 1) } else { names[place].clone() };
         let field = field.with_name(name);

@@ -27,7 +27,7 @@ const SAME_WIDTH: &str =
 
 /// Reads all rows.
 pub(super) fn read(source: Source<'_>, layout: &Layout) -> Result<Rows, Error> {
-    let mut width = layout.names.as_ref().map(Vec::len);
+    let mut width = layout.names.as_ref().map(Vec::len).or(layout.width);
     let texts = layout.texts.iter().map(|_| TextField::default()).collect();
     let values = Vec::with_capacity(source.data.len().saturating_sub(layout.data) / 10);
     let mut rows = Rows { values, width: 0, texts, empty: 0 };

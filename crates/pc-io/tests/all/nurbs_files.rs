@@ -102,16 +102,16 @@ fn what_is_left_out_of_free_form_obj_is_told() {
     for (text, message) in [
         (
             PATCH.replace("parm u 0 0 0 0 1 1 1 1\n", ""),
-            "line 19: a line \"parm u\" with the knots is missing",
+            "line 20: a line \"parm u\" with the knots is missing",
         ),
-        (PATCH.replace("parm u 0 0 0 0 1", "parm u 0 0 0 0 2"), "line 19: parm u: "),
-        (PATCH.replace(" 12 16", " 12"), "line 19: 15 control points do not fit 4 × 4"),
-        (PATCH.replace(" 12 16", " 12 17"), "line 19: vertex 17 does not exist"),
-        (PATCH.replace("cstype bspline\n", ""), "line 18: no line \"cstype\""),
+        (PATCH.replace("parm u 0 0 0 0 1", "parm u 0 0 0 0 2"), "line 20: parm u: "),
+        (PATCH.replace(" 12 16", " 12"), "line 20: 15 control points do not fit 4 × 4"),
+        (PATCH.replace(" 12 16", " 12 17"), "line 20: vertex 17 does not exist"),
+        (PATCH.replace("cstype bspline\n", ""), "line 19: no line \"cstype\""),
         (PATCH.replace("deg 3 3", "deg 1000000000000 3"), "the degree is 1000000000000"),
         (PATCH.replace("deg 3 3\n", ""), "no line \"deg\""),
-        (PATCH.replace("surf 0 1 0 1 1", "surf 0 2 0 1 1"), "line 19: "),
-        (PATCH.replace("parm v 0 0", "parm v 0 x"), "line 22: "),
+        (PATCH.replace("surf 0 1 0 1 1", "surf 0 2 0 1 1"), "line 20: "),
+        (PATCH.replace("parm v 0 0", "parm v 0 x"), "line 23: "),
     ] {
         let found = load("bad.obj", &text).unwrap_err();
         assert!(found.contains(message), "{message}: {found}");
