@@ -73,6 +73,12 @@ impl Progress {
         self.iteration(self.steps.fetch_add(1, Ordering::Relaxed) + 1, most, about)
     }
 
+    /// Tells how far a part of the work is that has a name of its own; never asks to stop.
+    pub(crate) fn part(&self, what: &str, done: usize, total: usize) -> ControlFlow<()> {
+        self.bar.set_message(format!("{}: {what}, {done} of {total}", self.what));
+        ControlFlow::Continue(())
+    }
+
     /// Iterations are counted from 1 again.
     pub(crate) fn begin(&self) {
         self.steps.store(0, Ordering::Relaxed);

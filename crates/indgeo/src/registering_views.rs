@@ -88,6 +88,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
 
 /// Makes sure that every view has a name of its own and no input is overwritten.
 fn check(job: &Job<'_>, inputs: &[&Path]) -> Result<(), Error> {
+    files::check_folder(job.out)?;
     let mut names: Vec<_> = job.views.iter().map(|view| view.file_name()).collect();
     if let Some(at) = names.iter().position(Option::is_none) {
         return Err(Error::content(&job.views[at], "this is not the name of a file", "name a file"));

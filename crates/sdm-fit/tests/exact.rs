@@ -40,7 +40,9 @@ fn curves_converge() {
         let x = 0.5 * (1.0 + (TAU * t).cos());
         Vector2::new(x, if t < 0.5 { thickness(x) } else { -thickness(x) })
     });
-    converges("helix", 300, |t| Vector3::new(2.0 * (3.0 * PI * t).cos(), 2.0 * (3.0 * PI * t).sin(), 6.0 * t));
+    converges("helix", 300, |t| {
+        Vector3::new(2.0 * (3.0 * PI * t).cos(), 2.0 * (3.0 * PI * t).sin(), 6.0 * t)
+    });
 }
 
 #[test]
