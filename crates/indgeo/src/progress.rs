@@ -75,7 +75,8 @@ impl Progress {
 
     /// Tells how far a part of the work is that has a name of its own; never asks to stop.
     pub(crate) fn part(&self, what: &str, done: usize, total: usize) -> ControlFlow<()> {
-        self.bar.set_message(format!("{}: {what}, {done} of {total}", self.what));
+        let how_far = if total > 0 { format!(", {done} of {total}") } else { String::new() };
+        self.bar.set_message(format!("{}: {what}{how_far}", self.what));
         ControlFlow::Continue(())
     }
 
