@@ -78,6 +78,9 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
     let triples = job.views.iter().zip(&outputs).zip(&loaded);
     let triples = triples.map(|((path, moved), one)| (path.clone(), moved.clone(), one.points));
     let results = ViewsResults::new(&found, start, triples);
+    for (input, view) in report.inputs.iter_mut().zip(&results.views) {
+        input.count(view.points_dropped, view.points.saturating_sub(view.points_dropped));
+    }
     let mut seconds = 0.0;
     Timings::measure(&mut seconds, || write(job, loaded, &found, &results, report))?;
     timings.write = seconds;
