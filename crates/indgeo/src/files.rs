@@ -104,6 +104,15 @@ pub(crate) fn parse_format(text: &str) -> Result<Format, String> {
         .ok_or_else(|| "choose ply, xyz, csv, pts, obj, stl, off, pcd or json".to_owned())
 }
 
+/// Makes sure that the folder for several results is none of the streams.
+pub(crate) fn check_folder(path: &Path) -> Result<(), Error> {
+    if is_stream(path) {
+        let what = "several files are written, which cannot go to standard output (`-`)";
+        return Err(Error::usage(what, "name a folder: -o DIR"));
+    }
+    Ok(())
+}
+
 /// Makes sure that `path` can be written and is none of the inputs, and leaves everything as it was.
 pub(crate) fn check_writable(path: &Path, inputs: &[&Path]) -> Result<(), Error> {
     if is_stream(path) {

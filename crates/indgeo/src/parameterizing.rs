@@ -180,10 +180,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Erro
             counted(folded, "cell")
         ));
     }
-    let finish = results.fit.as_ref().and_then(|fit| fit.finish.as_ref());
-    let taken = finish.filter(|finish| finish.outcome.is_new());
-    let status = taken.map_or(Status::Converged, |finish| finish.minimisation.fit.status);
-    let verdict = FitVerdict::of(status, None).without(!follows || folded > 0);
+    let verdict = FitVerdict::Good.without(!follows || folded > 0);
     let found = &results.found;
     report.count_points("points", found.dropped, found.used.saturating_sub(samples.len()));
     report.results = Some(Results::Parameters(Box::new(results)));
@@ -213,6 +210,17 @@ fn fit(
     Ok((fit, least_squares, Some(finish)))
 }
 
+/// Says when a finish would have come nearer with more iterations.
+fn unfinished(finish: &FinishReport, report: &mut Report) {
+    let fit = &finish.minimisation.fit;
+    if fit.status == Status::MaxIterations {
+        report.warnings.push(format!(
+            "the finish ended at its limit of {}, still coming nearer; `indgeo fit-surface --init FITTED.json` goes on",
+            counted(fit.history.len(), "iteration")
+        ));
+    }
+}
+
 /// Says when a finish was not taken.
 pub(crate) fn kept(finish: &FinishReport, report: &mut Report) {
     let why = match finish.outcome {
@@ -223,7 +231,7 @@ pub(crate) fn kept(finish: &FinishReport, report: &mut Report) {
             format!("the rms distance would be {:.6e} instead of {:.6e}", finish.rms[1], finish.rms[0])
         }
         FinishOutcome::Cancelled => "it was interrupted".to_owned(),
-        _ => return,
+        _ => return unfinished(finish, report),
     };
     report.warnings.push(format!(
         "the least squares surface was kept as it is, since the finish made it no better: {why}; more control points may help"

@@ -73,6 +73,13 @@ impl Progress {
         self.iteration(self.steps.fetch_add(1, Ordering::Relaxed) + 1, most, about)
     }
 
+    /// Tells how far a part of the work is that has a name of its own; never asks to stop.
+    pub(crate) fn part(&self, what: &str, done: usize, total: usize) -> ControlFlow<()> {
+        let how_far = if total > 0 { format!(", {done} of {total}") } else { String::new() };
+        self.bar.set_message(format!("{}: {what}{how_far}", self.what));
+        ControlFlow::Continue(())
+    }
+
     /// Iterations are counted from 1 again.
     pub(crate) fn begin(&self) {
         self.steps.store(0, Ordering::Relaxed);

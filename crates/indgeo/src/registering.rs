@@ -217,8 +217,7 @@ fn solve(
             Some(normals) => OrientedPoints::new(&cloud.positions, normals),
             None => OrientedPoints::without_normals(&cloud.positions),
         };
-        let search = Progress::steps("searching all positions", job.quiet);
-        let tell = |done: usize, total: usize| search.report(done, total);
+        let tell = |done: usize, total: usize| progress.part("searching all positions", done, total);
         let samples = model.samples(job.model)?;
         let found =
             oriented.and_then(|points| coarse_start(&samples, &points, &StartOptions::default(), &tell));

@@ -78,6 +78,9 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
     let triples = job.views.iter().zip(&outputs).zip(&loaded);
     let triples = triples.map(|((path, moved), one)| (path.clone(), moved.clone(), one.points));
     let results = ViewsResults::new(&found, start, triples);
+    for (input, view) in report.inputs.iter_mut().zip(&results.views) {
+        input.count(view.points_dropped, view.points.saturating_sub(view.points_dropped));
+    }
     let mut seconds = 0.0;
     Timings::measure(&mut seconds, || write(job, loaded, &found, &results, report))?;
     timings.write = seconds;
@@ -88,6 +91,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
 
 /// Makes sure that every view has a name of its own and no input is overwritten.
 fn check(job: &Job<'_>, inputs: &[&Path]) -> Result<(), Error> {
+    files::check_folder(job.out)?;
     let mut names: Vec<_> = job.views.iter().map(|view| view.file_name()).collect();
     if let Some(at) = names.iter().position(Option::is_none) {
         return Err(Error::content(&job.views[at], "this is not the name of a file", "name a file"));

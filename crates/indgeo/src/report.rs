@@ -75,8 +75,7 @@ impl Report {
     /// Says how many points of the inputs with this role were dropped, and how many count for the result.
     pub(crate) fn count_points(&mut self, role: &str, dropped: usize, used: usize) {
         for input in self.inputs.iter_mut().filter(|input| input.role == role) {
-            input.read.points_dropped = dropped;
-            input.read.points_used = used;
+            input.count(dropped, used);
         }
     }
 
@@ -133,6 +132,14 @@ pub(crate) struct ReadSummary {
 }
 
 impl Input {
+    /// How many points were dropped, and how many count for the result: of the file, which has none where they were taken from
+    /// its shapes.
+    pub(crate) fn count(&mut self, dropped: usize, used: usize) {
+        let read = &mut self.read;
+        read.points_dropped = dropped.min(read.points_read);
+        read.points_used = used.min(read.points_read - read.points_dropped);
+    }
+
     /// The input at `path`, read with this report.
     pub(crate) fn new(role: &'static str, path: &Path, report: &ReadReport) -> Self {
         let read = ReadSummary {

@@ -54,6 +54,7 @@ mod shape;
 mod source;
 mod stl;
 mod unfinished;
+mod wording;
 mod write;
 mod xyz;
 

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::{Serialize, Serializer};
 
 use crate::Format;
+use crate::wording::counted;
 
 /// How files are read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -108,7 +109,8 @@ impl fmt::Display for ReadReport {
         write_counts(f, self.format, self.points, self.triangles, self.shapes)?;
         if self.non_finite > 0 {
             let fate = if self.dropped > 0 { "dropped" } else { "kept" };
-            write!(f, ", {} points are not finite ({fate})", self.non_finite)?;
+            let are = if self.non_finite == 1 { "is" } else { "are" };
+            write!(f, ", {} {are} not finite ({fate})", counted(self.non_finite, "point"))?;
         }
         write_warnings(f, &self.warnings)
     }
@@ -153,11 +155,11 @@ fn write_counts(
 ) -> fmt::Result {
     write!(f, "{format}")?;
     if shapes > 0 {
-        return write!(f, ", {shapes} NURBS shapes");
+        return write!(f, ", {}", counted(shapes, "NURBS shape"));
     }
-    write!(f, ", {points} points")?;
+    write!(f, ", {}", counted(points, "point"))?;
     if triangles > 0 {
-        write!(f, ", {triangles} triangles")?;
+        write!(f, ", {}", counted(triangles, "triangle"))?;
     }
     Ok(())
 }

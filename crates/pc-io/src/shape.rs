@@ -4,6 +4,7 @@ use mesh_core::{Attributes, Colours, PointCloud, TextField};
 use nalgebra::{Point3, Vector3};
 
 use crate::columns::is_reserved;
+use crate::wording::counted;
 
 /// Points, and triangles where there are any.
 #[derive(Debug, Clone, Copy)]
@@ -112,7 +113,7 @@ impl<'a> Shape<'a> {
             lost.extend(self.attributes().texts().iter().map(|field| format!("text {:?}", field.name())));
         }
         if !self.triangles.is_empty() && !keeps.triangles {
-            lost.push(format!("{} triangles", self.triangles.len()));
+            lost.push(counted(self.triangles.len(), "triangle"));
         }
         if !lost.is_empty() {
             warnings.push(format!("the format cannot hold and lost: {}", lost.join(", ")));

@@ -1,7 +1,7 @@
 //! Numbers in the form in which the paper prints them, and how a printed one relates to what is computed.
 
 /// Decimals to which the paper rounds a step before it rounds to significant digits.
-const DECIMALS: usize = 10;
+const DECIMALS: i32 = 10;
 
 /// How a printed number relates to the computed one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,7 +70,7 @@ fn two_digits_of_decimals(step: f64) -> String {
     }
     let digit = |i: usize| digits.as_bytes().get(i).map_or(0, |b| b - b'0');
     let mut mantissa = digit(0) * 10 + digit(1) + u8::from(digit(2) >= 5);
-    let mut exponent = i32::try_from(digits.len()).unwrap_or(i32::MAX) - 1 - DECIMALS as i32;
+    let mut exponent = i32::try_from(digits.len()).unwrap_or(i32::MAX) - 1 - DECIMALS;
     if mantissa == 100 {
         mantissa = 10;
         exponent += 1;
@@ -80,7 +80,7 @@ fn two_digits_of_decimals(step: f64) -> String {
 
 /// A step cut off after 2 significant digits; `0.0` where nothing is left at 10 decimals.
 fn cut_off(step: f64) -> String {
-    if step.abs() < 0.1f64.powi(DECIMALS as i32) {
+    if step.abs() < 0.1f64.powi(DECIMALS) {
         return "0.0".into();
     }
     let exact = format!("{step:.40e}");

@@ -9,6 +9,8 @@ mod hard_cases;
 mod local_common;
 mod local_curve;
 mod local_surface;
+mod magnitudes;
+mod near_rational;
 mod projector_analytic;
 mod projector_batches;
 mod projector_classes;

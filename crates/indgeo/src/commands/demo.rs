@@ -5,6 +5,7 @@ use super::project::Search;
 use crate::args::Common;
 use crate::demo::{self, Bolt, Data, Files, Zones};
 use crate::error::Error;
+use crate::files;
 use crate::projection::{self, Job};
 use crate::report::{Output, Report, Timings};
 use crate::staging::create_error;
@@ -54,6 +55,7 @@ impl Args {
 
 /// Runs the command.
 pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<Outcome, Error> {
+    files::check_folder(&args.out)?;
     let data = Data::find(args.data.as_deref())?;
     let bolt = Bolt::read(&data.placement)?;
     fs::create_dir_all(&args.out).map_err(|source| create_error(&args.out, source))?;

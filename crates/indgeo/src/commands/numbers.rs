@@ -5,6 +5,11 @@ pub(super) fn length(text: &str) -> Result<f64, String> {
     number(text).filter(|length| *length > 0.0).ok_or_else(|| "it must be a positive length".to_owned())
 }
 
+/// A positive number.
+pub(super) fn positive(text: &str) -> Result<f64, String> {
+    number(text).filter(|number| *number > 0.0).ok_or_else(|| "it must be a positive number".to_owned())
+}
+
 /// A positive length, or `inf` for no limit.
 pub(super) fn limit(text: &str) -> Result<f64, String> {
     let limit = text.trim().parse::<f64>().ok().filter(|limit| *limit > 0.0);
@@ -59,12 +64,17 @@ mod tests {
 
     #[test]
     fn what_would_do_is_said() {
-        assert_eq!(length("0.05"), Ok(0.05));
+        assert_eq!((length("0.05"), positive("45")), (Ok(0.05), Ok(45.0)));
         for bad in ["-0.1", "0", "nan", "inf", "1e999", "", "1,5"] {
             assert!(length(bad).is_err_and(|message| message.contains("positive length")), "{bad}");
         }
         assert_eq!((limit("inf"), signed("-2.5"), not_negative("0")), (Ok(f64::INFINITY), Ok(-2.5), Ok(0.0)));
-        assert!(limit("-1").is_err() && signed("inf").is_err() && not_negative("-0.1").is_err());
+        assert!(
+            limit("-1").is_err()
+                && positive("0").is_err()
+                && signed("inf").is_err()
+                && not_negative("-0.1").is_err()
+        );
         assert_eq!((share("1"), share_or_none("0")), (Ok(1.0), Ok(0.0)));
         assert!(share("0").is_err() && share("1.5").is_err() && share_or_none("-0.5").is_err());
         assert_eq!((count("12"), degree("3")), (Ok(12), Ok(3)));

@@ -89,8 +89,8 @@ folds after least squares and after the finish. A finish that would fold, or com
 report says so.
 
 Exit status 0: the surfaces follow the points and have no folds; 1: one folds, the base surface lies over large holes, many points lie
-beyond its ends, or the finish did not converge (files are written nevertheless); 2: bad input or usage, as points that do not go around
-the axis; 130: interrupted.
+beyond its ends (files are written nevertheless); 2: bad input or usage, as points that do not go around the axis; 130: interrupted. The
+finish is a limited number of iterations; a warning says when it would go on.
 
 Examples:
   indgeo parameterize scan.ply -o base.json --params uv.csv

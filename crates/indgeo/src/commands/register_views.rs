@@ -38,10 +38,10 @@ pub(crate) struct Args {
     #[arg(long, value_name = "N", default_value_t = ViewsOptions::default().neighbours, value_parser = numbers::count)]
     neighbours: usize,
     /// Largest distance of matched points at the start, as a share of the diagonal of a view
-    #[arg(long, value_name = "SHARE", default_value_t = ViewsOptions::default().max_distance, value_parser = numbers::length)]
+    #[arg(long, value_name = "SHARE", default_value_t = ViewsOptions::default().max_distance, value_parser = numbers::positive)]
     max_distance: f64,
     /// Largest angle between the normals of matched points, degrees
-    #[arg(long, value_name = "DEGREES", default_value_t = 45.0, value_parser = numbers::length)]
+    #[arg(long, value_name = "DEGREES", default_value_t = 45.0, value_parser = numbers::positive)]
     max_angle: f64,
     /// Share of a view that another one must cover for the two to be linked
     #[arg(long, value_name = "SHARE", default_value_t = ViewsOptions::default().min_overlap, value_parser = numbers::share_or_none)]

@@ -36,7 +36,10 @@ fn outputs_that_cannot_be_written() {
     let message = failure(&bench, "project model.json points.xyz -o no/such/folder/out.csv");
     assert!(message.ends_with("; create the folder first\n"), "{message}");
     let message = failure(&bench, "project model.json points.xyz -o out.txt");
-    assert_eq!(message, "error: out.txt: results are not written as `.txt`; choose .csv, .ply or .json\n");
+    assert_eq!(
+        message,
+        "error: out.txt: results are not written as `.txt`; choose .csv, .ply or .json, or add --format\n"
+    );
     let message = failure(&bench, "project model.json points.xyz -o out");
     assert!(message.contains("the name has no extension"), "{message}");
     assert!(failure(&bench, "convert points.xyz out.docx").contains("out.docx"));

@@ -148,7 +148,10 @@ fn bad_input_and_usage() {
         ("fit-ruled vase.xyz -o out.json --controls 12x1", "too few for degree 1"),
         ("fit-ruled vase.xyz -o out.json --offset 1", "normals"),
         ("fit-ruled vase.xyz -o out.json --level=0,0,0", "direction"),
-        ("fit-ruled vase.xyz -o out.json --developable -1", "a length of at least 0"),
+        (
+            "fit-ruled vase.xyz -o out.json --developable -1",
+            "--developable <LENGTH>': it must be a number of at least 0",
+        ),
         ("fit-ruled vase.xyz -o out.json --init cubic.json", "degree in v is 2"),
         ("fit-ruled vase.xyz -o out.json --init vase.xyz", "a surface is needed"),
         ("fit-ruled missing.xyz -o out.json", "missing.xyz"),

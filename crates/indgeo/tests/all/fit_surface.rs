@@ -134,7 +134,7 @@ fn bad_input_and_usage() {
         ("fit-surface model.json -o out.json", "NURBS"),
         ("fit-surface line.xyz -o out.json", "on a line"),
         ("fit-surface tube.xyz -o tube.xyz", "overwrite"),
-        ("fit-surface tube.xyz -o out.json --tolerance 0", "abs_tolerance"),
+        ("fit-surface tube.xyz -o out.json --tolerance 0", "--tolerance <T>"),
         ("fit-surface tube.xyz -o out.json --init tube.xyz", "a surface is needed"),
         ("fit-surface tube.xyz -o out.json --control-points 3by4", "30x20"),
         ("fit-surface tube.xyz -o out.json --init model.json --control-points 1x1", "at least as many"),

@@ -75,7 +75,11 @@ impl<const D: usize> Work<'_, D> {
             .with_term(ErrorTerm::Tangent)
             .with_control(StepControl::LevenbergMarquardt)
             .with_max_iterations(self.options.fit.max_iterations.min(POLISH));
-        let next = self.run(state.curve.clone(), &fit, "polish")?;
+        let mut next = self.run(state.curve.clone(), &fit, "polish")?;
+        // What has converged only becomes better by this, however far it goes.
+        if next.report.status == Status::MaxIterations && state.report.status == Status::Converged {
+            next.report.status = Status::Converged;
+        }
         if next.report.rms < state.report.rms && next.report.max <= state.report.max {
             self.keep(&next);
             return Ok(next);
