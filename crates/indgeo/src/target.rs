@@ -10,7 +10,7 @@ use industrial_geometry::footpoint::{
     SurfaceFootpoint, SurfaceProjector,
 };
 use industrial_geometry::mesh::nalgebra::{Point3, Vector3};
-use industrial_geometry::mesh::{Feature, MeshFootpoint, MeshProjector};
+use industrial_geometry::mesh::{self, Feature, MeshFootpoint, MeshProjector};
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -288,7 +288,7 @@ fn facing_mesh_foot(mesh: &MeshProjector, x: &Point3<f64>, normal: &Vector3<f64>
         Err(_) => Foot::none(Status::InvalidPoint),
         Ok(facing) => match mesh.project_facing(x, facing.direction(), angle) {
             Ok(None) => Foot::none(Status::NoMatchingFoot),
-            Ok(Some(found)) => of_mesh(Ok(found.foot), x),
+            Ok(Some(found)) => of_mesh::<mesh::Error>(Ok(found.foot), x),
             Err(error) => of_mesh(Err(error), x),
         },
     }
