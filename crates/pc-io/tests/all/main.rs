@@ -1,7 +1,9 @@
 //! All integration tests of `pc-io` in one binary: linking once is most of what building them costs.
 
 mod common;
+mod coordinates;
 mod mutation;
+mod odd_rows;
 mod reference;
 mod round_trip;
 mod sniffing;
