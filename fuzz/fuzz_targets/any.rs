@@ -3,4 +3,4 @@
 
 use libfuzzer_sys::fuzz_target;
 
-fuzz_target!(|data: &[u8]| pc_io_fuzz::recognise_and_read(data));
+fuzz_target!(|data: &[u8]| fuzz_targets::any(data));

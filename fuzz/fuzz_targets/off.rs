@@ -2,6 +2,5 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use pc_io::Format;
 
-fuzz_target!(|data: &[u8]| pc_io_fuzz::read_as(data, Format::Off));
+fuzz_target!(|data: &[u8]| fuzz_targets::off(data));

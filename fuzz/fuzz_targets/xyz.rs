@@ -1,7 +1,6 @@
-//! Arbitrary bytes, read as a table of numbers.
+//! Arbitrary bytes, read as a table of points.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use pc_io::Format;
 
-fuzz_target!(|data: &[u8]| pc_io_fuzz::read_as(data, Format::Xyz));
+fuzz_target!(|data: &[u8]| fuzz_targets::xyz(data));

@@ -92,7 +92,8 @@ fn lex_special(text: &[u8], start: usize, negative: bool) -> Option<(f64, usize)
             if !infinite && text.get(end) == Some(&b'(') {
                 let inside =
                     text[end..].iter().take_while(|&&byte| byte != b')' && byte.is_ascii_graphic()).count();
-                end = (end + inside + 1).min(text.len());
+                // A bracket that nothing closes does not belong to the number.
+                end += if text.get(end + inside) == Some(&b')') { inside + 1 } else { 0 };
             }
             return Some((special(infinite, negative), end));
         }

@@ -31,6 +31,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
         ],
     ),
     ("indgeo", &["industrial-geometry"]),
+    ("fuzz-targets", &["footpoint", "pc-io"]),
     (
         "xtask",
         &[

@@ -2,6 +2,7 @@
 
 mod common;
 mod directed;
+mod directed_weights;
 mod hull;
 mod multilevel;
 mod parameterise;

@@ -4,6 +4,7 @@ mod analytic;
 mod batch;
 mod construct;
 mod fitting;
+mod knot_operations;
 mod laws;
 mod offset;
 mod random;

@@ -1,9 +1,11 @@
 //! All integration tests of `pc-io` in one binary: linking once is most of what building them costs.
 
 mod common;
+mod coordinates;
 mod meshes;
 mod mutation;
 mod nurbs_files;
+mod odd_rows;
 mod reference;
 mod round_trip;
 mod sniffing;

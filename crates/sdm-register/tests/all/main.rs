@@ -3,7 +3,9 @@
 mod bodies;
 mod cases;
 mod common;
+mod covariance;
 mod laws;
+mod motions;
 mod robust;
 mod start;
 mod targets;
