@@ -115,7 +115,7 @@ pub enum Error {
         index: usize,
     },
     /// A control point has a coordinate with which nothing can be computed any more.
-    #[error("control point {index} has the coordinate {value}; coordinates are allowed up to {max:e}: scale the shape down", max = crate::MAX_COORDINATE)]
+    #[error("control point {index} has the coordinate {value:?}; coordinates are allowed up to {max:e}: scale the shape down", max = crate::MAX_COORDINATE)]
     Magnitude {
         /// Index of the control point (row-major on surfaces).
         index: usize,
@@ -123,7 +123,7 @@ pub enum Error {
         value: f64,
     },
     /// A weight is so much smaller than another that its control point would be lost in rounding errors.
-    #[error("weight {index} is {value} and the largest is {largest}; weights may differ by a factor of {max:e} at most", max = crate::MAX_WEIGHT_RATIO)]
+    #[error("weight {index} is {value:?} and the largest is {largest:?}; weights may differ by a factor of {max:e} at most", max = crate::MAX_WEIGHT_RATIO)]
     WeightRatio {
         /// Index of the weight (row-major on surfaces).
         index: usize,
