@@ -267,7 +267,7 @@ mod tests {
             for j in 0..=layout.q {
                 let (u, v) = (i as f64 / layout.p as f64 - 0.5, j as f64 / layout.q as f64 - 0.5);
                 let w = if layout.components == COMPONENTS { 1.0 + 0.2 * size * unit() } else { 1.0 };
-                let bend = if seed % 4 == 0 { 0.15 } else { 0.04 } * size * size * (unit() + u * v);
+                let bend = if seed.is_multiple_of(4) { 0.15 } else { 0.04 } * size * size * (unit() + u * v);
                 points.push([w * size * (u + 0.5 * v), w * size * v, w * (1.0 + bend), w]);
             }
         }

@@ -146,7 +146,7 @@ impl<const K: usize> PatchSet<K> {
                         let (low, high) = hulls.nets[first..].split_at_mut(length);
                         layout.cut(low, high, direction, at, &mut hulls.work);
                         let parts = part.region.split(direction, at);
-                        hulls.parts.extend(parts.map(|region| Part { region, floor, error, ..part }));
+                        hulls.parts.extend(parts.map(|region| Part { region, floor, error }));
                         break;
                     }
                 }
