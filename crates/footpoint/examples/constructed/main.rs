@@ -89,7 +89,9 @@ fn run(
     let (mut wrong, mut open, mut stalled) = (0, 0, 0);
     for (i, x) in queries.iter().enumerate() {
         let found = projector.project(x);
-        let truth = oracle.distance(x).min(projector.project_with(x, &fast).distance);
+        let truth = oracle
+            .distance(x)
+            .min(projector.project_with(x, &fast).map_or(f64::INFINITY, |foot| foot.distance));
         let allowed = options.relative_gap * found.distance + options.size_gap * size;
         let far =
             found.distance.is_nan() || found.distance > truth + 1e-7 * truth + 1e-10 * size + 8.0 * rounding;

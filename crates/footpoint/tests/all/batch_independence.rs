@@ -93,8 +93,8 @@ fn surface(name: &str, surface: &BsplineSurface, places: &[Vector3<f64>]) {
         check(
             &format!("{name} {mode:?}"),
             &points,
-            |x| projector.project_with(x, &options),
-            |points| projector.project_many(points, &options, &no_progress),
+            |x| projector.project_with(x, &options).unwrap(),
+            |points| projector.project_many(points, &options, &no_progress).unwrap(),
             surface_bits,
         );
     }
@@ -113,8 +113,8 @@ fn curve<const D: usize>(name: &str, curve: &BsplineCurve<D>, places: &[SVector<
         check(
             &format!("{name} {mode:?}"),
             &points,
-            |x| projector.project_with(x, &options),
-            |points| projector.project_many(points, &options, &no_progress),
+            |x| projector.project_with(x, &options).unwrap(),
+            |points| projector.project_many(points, &options, &no_progress).unwrap(),
             curve_bits,
         );
     }

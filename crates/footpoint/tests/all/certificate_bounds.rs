@@ -163,13 +163,13 @@ fn bounds_hold_when_the_work_is_limited() {
             let full = projector.project(&x);
             for max_boxes in [0, 10, 30, 100, 300, 1000, 3000] {
                 let options = ProjectionOptions { max_boxes, ..ProjectionOptions::default() };
-                let foot = projector.project_with(&x, &options);
+                let foot = projector.project_with(&x, &options).unwrap();
                 open += usize::from(foot.gap() > 1e-6 * foot.distance);
                 let starts = [full.parameter, foot.parameter];
                 let excess = patch.excess(&x, foot.lower_bound, &starts);
                 assert!(excess <= 1e-13, "{name}, {max_boxes} boxes: {excess:e} at {x:?}: {foot:?}");
                 // As near as without a proof, but for the gap.
-                let fast = projector.project_with(&x, &options.with_mode(Mode::Fast));
+                let fast = projector.project_with(&x, &options.with_mode(Mode::Fast)).unwrap();
                 assert!(foot.distance <= fast.distance * (1.0 + 1e-7), "{name}: {foot:?} {fast:?}");
             }
         }
@@ -196,10 +196,10 @@ fn bounds_hold_close_to_the_surface_far_from_the_origin() {
             for gap in [1e-7, 0.0] {
                 let options = ProjectionOptions {
                     relative_gap: gap,
-                    absolute_gap: gap * 1e-3,
+                    size_gap: gap * 1e-3,
                     ..ProjectionOptions::default()
                 };
-                let foot = projector.project_with(&x, &options);
+                let foot = projector.project_with(&x, &options).unwrap();
                 let excess = patch.excess(&x, foot.lower_bound, &[foot.parameter, at]);
                 // Coordinates in the patch are rounded, too.
                 let allowed = 1e-13 + 8.0 * f64::EPSILON / foot.distance.max(1e-300);

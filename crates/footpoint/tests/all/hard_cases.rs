@@ -51,7 +51,7 @@ fn no_worse_than_what_is_known() {
         let foot = projector.project(&x);
         assert!(foot.distance <= known, "{name}: {foot:?} instead of {known}");
         assert!(is_proven(&surface, &foot), "{name}: {foot:?}");
-        let fast = projector.project_with(&x, &ProjectionOptions::default().with_mode(Mode::Fast));
+        let fast = projector.project_with(&x, &ProjectionOptions::default().with_mode(Mode::Fast)).unwrap();
         assert!(foot.distance <= fast.distance * (1.0 + 1e-7) + 1e-13, "{name}: {foot:?} {fast:?}");
     }
 }
@@ -71,8 +71,9 @@ fn certificates_that_take_long_are_closed() {
         let projector = SurfaceProjector::new(&surface);
         let foot = projector.project(&Vector3::from(x));
         assert!(foot.status.is_converged() && is_proven(&surface, &foot), "{name}: {foot:?}");
-        let fast =
-            projector.project_with(&Vector3::from(x), &ProjectionOptions::default().with_mode(Mode::Fast));
+        let fast = projector
+            .project_with(&Vector3::from(x), &ProjectionOptions::default().with_mode(Mode::Fast))
+            .unwrap();
         assert!(foot.distance <= fast.distance * (1.0 + 1e-7), "{name}: {foot:?} {fast:?}");
     }
 }
@@ -83,7 +84,7 @@ fn a_point_on_the_surface_is_found_as_well_among_others() {
     let x = Vector3::new(0.030_780_743_323_881_02, 0.012_463_616_996_533_09, 20.008_930_812_285_63);
     let points: Vec<_> =
         (0..40).map(|k| x + Vector3::repeat(1e-9 * f64::from(k % 7) + 0.01 * f64::from(k / 7))).collect();
-    let feet = projector.project_many(&points, &ProjectionOptions::default(), &no_progress);
+    let feet = projector.project_many(&points, &ProjectionOptions::default(), &no_progress).unwrap();
     for (x, foot) in points.iter().zip(&feet) {
         assert_eq!(foot, &projector.project(x));
     }
