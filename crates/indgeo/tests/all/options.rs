@@ -93,7 +93,7 @@ fn results_go_to_standard_output() {
         ("project model.json points.xyz", "out.csv"),
         ("inspect model.json points.xyz -t 1", "out.csv"),
         ("register cube.off around.xyz", "out.csv"),
-        ("register cube.off ball.off", "out.obj"),
+        ("register cube.off ball.off --start given --max-iterations 5", "out.obj"),
         ("fit-curve ring.xyz", "out.json"),
         ("fit-surface sheet.xyz --control-points 8x8", "out.json"),
         ("fit-ruled strip.xyz --control-points 6x2", "out.json"),
