@@ -69,7 +69,7 @@ impl Parsed {
 pub(crate) struct Fans {
     pub(crate) triangles: Vec<[u32; 3]>,
     polygons: usize,
-    too_few: usize,
+    pub(crate) too_few: usize,
 }
 
 impl Fans {

@@ -44,7 +44,7 @@ pub(crate) fn of_decimals(computed: f64, printed: &str) -> Relation {
     }
     // One decimal is one byte.
     let exact = format!("{computed:.60}");
-    let cut = exact.len() - 60 + decimals;
+    let cut = (exact.len() + decimals).saturating_sub(60);
     if exact.get(..cut) == Some(printed) { Relation::CutOff } else { Relation::Misprint }
 }
 

@@ -238,7 +238,7 @@ fn the_method_before_comes_near_the_shape_between_its_boundary_curves() {
     };
     let coons = construct::coons(boundary.along_u, boundary.along_v, 1e-6).unwrap();
     let [before, after] = [deviation(&coons), deviation(&surface)];
-    assert!(before > 0.1 && after < 0.15 * before, "{before} {after}");
+    assert!(before > 0.1 && after < 0.25 * before, "{before} {after}");
     assert!(dynamic_base_surface(&cloud, &boundary, [3, 3], &options).is_err());
 }
 

@@ -28,6 +28,9 @@ pub(crate) trait Batch<const D: usize>: Sync {
     fn answer(&self, x: &SVector<f64, D>, scratch: &mut Self::Scratch) -> Self::Output;
 }
 
+/// Gets results with the indices of their points, a round at a time.
+pub(crate) type Receive<'a, T> = &'a mut dyn FnMut(&[(usize, T)]);
+
 /// Points to be projected.
 pub(crate) struct Queries<'a, const D: usize> {
     pub(crate) count: usize,
@@ -69,7 +72,7 @@ fn slice<const D: usize, B: Batch<D>>(
                 }
             }
         },
-    )
+    );
 }
 
 /// All points, in parallel.
@@ -95,7 +98,7 @@ pub(crate) fn each<const D: usize, B: Batch<D>, T: Send>(
     queries: &Queries<'_, D>,
     progress: Progress<'_>,
     treat: &(dyn Fn(usize, &B::Output) -> T + Sync),
-    receive: &mut dyn FnMut(&[(usize, T)]),
+    receive: Receive<'_, T>,
 ) {
     let order = coherent_order(queries);
     let done = AtomicUsize::new(0);

@@ -2,7 +2,7 @@
 
 use super::Progress;
 use super::all_feet::{self, CurveFeet};
-use super::batch::{self, Batch, Queries};
+use super::batch::{self, Batch, Queries, Receive};
 use super::frame::Frame;
 use crate::global::gap::Gap;
 use crate::global::piece::PieceSet;
@@ -223,7 +223,7 @@ impl<const D: usize> CurveProjector<D> {
         options: &ProjectionOptions,
         progress: Progress<'_>,
         treat: &(dyn Fn(usize, &CurveFootpoint<D>) -> T + Sync),
-        receive: &mut dyn FnMut(&[(usize, T)]),
+        receive: Receive<'_, T>,
     ) -> Result<(), Error> {
         options.validate()?;
         let queries = Queries { count, at: &|index| self.frame.query(&at(index)) };

@@ -106,7 +106,7 @@ impl<const K: usize> PatchSet<K> {
     ) -> Listed {
         let harvest = self.minima(x, limit * limit, gap);
         let mut best: Option<SurfaceFootpoint> = None;
-        let mut offer = |foot: &Foot| {
+        let mut offer = |foot: &Foot, is_proven: bool| {
             let Some((patch, local)) = self.facing_side((foot.patch, foot.local), facing) else {
                 return false;
             };
@@ -114,13 +114,13 @@ impl<const K: usize> PatchSet<K> {
             let rank = |foot: &SurfaceFootpoint| (foot.distance, foot.shape, foot.parameter);
             let nearer = best.as_ref().is_none_or(|best| rank(&out) < rank(best));
             // The test of a minimum is the dearest one.
-            if nearer && out.distance.is_finite() && self.is_minimum(x, foot) {
+            if nearer && out.distance.is_finite() && (is_proven || self.is_minimum(x, foot)) {
                 best = Some(out);
             }
             true
         };
         for foot in &harvest.feet {
-            offer(foot);
+            offer(foot, false);
         }
         // Of whole curves and areas of feet only some points are known. The foot there whose normal agrees best lies in that
         // direction, or in the opposite one.
@@ -128,7 +128,7 @@ impl<const K: usize> PatchSet<K> {
         let mut tried: Vec<f64> = Vec::new();
         for (foot, _) in &harvest.flats {
             let level = foot.distance_sq.sqrt();
-            if !level.is_finite() || level > limit || offer(foot) {
+            if !level.is_finite() || level > limit || offer(foot, false) {
                 continue;
             }
             open = open.min(level * (1.0 - LEVEL));
@@ -142,9 +142,10 @@ impl<const K: usize> PatchSet<K> {
                 if found.patch == usize::MAX {
                     continue;
                 }
+                // Where all points are as near, rounding alone says which one is lower.
                 let settled = self.descend(x, found.patch, found.local, 50);
                 if (settled.distance_sq.sqrt() - level).abs() <= LEVEL * level {
-                    offer(&settled);
+                    offer(&settled, true);
                 }
             }
         }

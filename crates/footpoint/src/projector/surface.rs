@@ -2,7 +2,7 @@
 
 use super::Progress;
 use super::all_feet::{self, SurfaceFeet};
-use super::batch::{self, Batch, Queries};
+use super::batch::{self, Batch, Queries, Receive};
 use super::facing;
 use super::frame::Frame;
 use crate::global::gap::Gap;
@@ -219,7 +219,7 @@ impl SurfaceProjector {
         options: &ProjectionOptions,
         progress: Progress<'_>,
         treat: &(dyn Fn(usize, &SurfaceFootpoint) -> T + Sync),
-        receive: &mut dyn FnMut(&[(usize, T)]),
+        receive: Receive<'_, T>,
     ) -> Result<(), Error> {
         options.validate()?;
         let queries = Queries { count, at: &|index| self.frame.query(&at(index)) };

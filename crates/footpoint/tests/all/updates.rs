@@ -149,8 +149,8 @@ fn points_and_starts_that_are_unusable() {
             match i {
                 0..=4 => assert_eq!(foot.status, Status::InvalidPoint, "{i}"),
                 5 => assert!(foot.status.is_converged() && foot.distance.is_finite()),
-                // Squares overflow: no status may claim a foot.
-                6 => assert!(!foot.status.is_converged(), "{foot}"),
+                // Squares would overflow: the search works in a frame of its own.
+                6 => assert!((foot.distance / (3f64.sqrt() * 1e200) - 1.0).abs() < 1e-9, "{foot}"),
                 _ => assert!(foot.status.is_converged() && (foot.distance - feet[0].distance).abs() < 1e-12),
             }
         }

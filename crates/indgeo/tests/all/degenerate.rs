@@ -14,8 +14,8 @@ fn points_that_are_not_finite_keep_their_row() {
     assert!(run.stderr.starts_with("warning: points.xyz: 2 of 4 points have a coordinate"), "{}", run.stderr);
     assert!(run.stderr.contains("--drop-non-finite"), "{}", run.stderr);
     let text = bench.text("out.csv");
-    assert_eq!(rows(&text)[1].join(","), "nan,1,1,,,,,,,,invalid_point");
-    assert_eq!(rows(&text)[2].join(","), "1,-inf,1,,,,,,,,invalid_point");
+    assert_eq!(rows(&text)[1].join(","), "nan,1,1,,,,,,,,invalid_point,");
+    assert_eq!(rows(&text)[2].join(","), "1,-inf,1,,,,,,,,invalid_point,");
     assert_eq!(rows(&text).len(), 4);
     let report: serde_json::Value = serde_json::from_str(&bench.text("report.json")).unwrap();
     assert_eq!(report["results"]["status"]["invalid_point"], 2);
@@ -35,7 +35,7 @@ fn in_plane_and_on_meshes_too() {
     bench.put("curve.json", SEGMENT);
     bench.put("points.csv", "x,y\n1,1\nnan,1\n");
     assert_eq!(bench.run("project curve.json points.csv -o out.csv").code, 0);
-    assert_eq!(rows(&bench.text("out.csv"))[1].join(","), "nan,1,,,,");
+    assert_eq!(rows(&bench.text("out.csv"))[1].join(","), "nan,1,,,,,invalid_point,");
     bench.put("cube.off", CUBE);
     bench.put("points.xyz", "1 1 2\nnan 1 0\n");
     assert_eq!(bench.run("project cube.off points.xyz -o mesh.csv").code, 0);

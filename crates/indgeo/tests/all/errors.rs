@@ -154,7 +154,7 @@ fn usage() {
         ("project model.json points.xyz -o out.csv --threads 0", "--threads"),
         ("project model.json points.xyz -o out.csv --mode best", "certified"),
         ("project model.json points.xyz -o out.csv --relative-gap 2", "--relative-gap is 2"),
-        ("project model.json points.xyz -o out.csv --relative-gap nan", "--relative-gap is NaN"),
+        ("project model.json points.xyz -o out.csv --relative-gap nan", "it must be a finite number"),
     ] {
         let run = bench.run(arguments);
         assert_eq!(run.code, 2, "{arguments}");

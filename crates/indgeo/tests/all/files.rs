@@ -111,7 +111,7 @@ fn results_can_be_read_again() {
     }
     assert_eq!(
         bench.text("d.csv"),
-        "x,y,foot_x,foot_y,distance,t,status,lower_bound\n1,2,1,0,2,0.25,converged,1.9999998\nnan,3,,,,,invalid_point,\n"
+        "x,y,foot_x,foot_y,distance,t,status,lower_bound\n1,2,1,0,2,0.25,converged,1.9999998497\nnan,3,,,,,invalid_point,\n"
     );
     assert_eq!(bench.text("d.csv"), bench.text("e.csv"));
     let run = bench.run("info a.csv");

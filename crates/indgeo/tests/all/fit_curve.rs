@@ -164,7 +164,7 @@ fn bad_input_says_what_and_what_to_do() {
         ("fit-curve points.xyz -o c.json --smoothing much", "auto, continuation"),
         ("fit-curve points.xyz -o points.xyz", "overwrite an input"),
         ("fit-curve points.xyz -o c.json --init points.xyz", "overwrite|holds none"),
-        ("fit-curve points.xyz -o c.json --report c.json", "two results"),
+        ("fit-curve points.xyz -o c.json --report c.json", "two outputs"),
         ("fit-curve missing.xyz -o c.json", "check the path"),
     ] {
         let run = bench.run(arguments);

@@ -124,7 +124,7 @@ fn names_of_points_come_back() {
         0
     );
     let lines: Vec<String> = dir.read("p.csv").lines().map(str::to_owned).collect();
-    assert!(lines[0].ends_with(",status,name"), "{}", lines[0]);
+    assert!(lines[0].ends_with(",status,lower_bound,name"), "{}", lines[0]);
     assert!(lines[1].ends_with(",bore 1") && lines[2].ends_with(",\"bore 2, left\""), "{lines:?}");
     let report = dir.json("p.report.json");
     assert_eq!(report["results"]["worst"]["name"], "bore 1");

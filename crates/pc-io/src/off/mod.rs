@@ -163,6 +163,11 @@ fn read_as(
             "correct the numbers of vertices and faces, or export the file again",
         ));
     }
+    // Where lines mean nothing, a face without corners is a sign of numbers that were counted wrongly.
+    if !arrangement.vertex_lines && fans.too_few > 0 {
+        let what = format!("{} faces have fewer than three corners", fans.too_few);
+        return Err(tokens.source.line_error(tokens.offset(), what, EXPORT));
+    }
     if coloured > 0 {
         warnings.push(format!("not read: colours of {coloured} faces"));
     }

@@ -225,10 +225,10 @@ fn what_does_not_fit_is_told_or_refused() {
     .unwrap();
     let report = pc_io::write_mesh(dir.path().join("a.pcd"), &mesh, &options).unwrap();
     assert_eq!((report.triangles, report.points), (0, 4));
-    assert!(report.warnings[0].contains("1 triangles"), "{report}");
+    assert!(report.warnings[0].contains("1 triangle"), "{report}");
     let report = pc_io::write_mesh(dir.path().join("a.stl"), &mesh, &options).unwrap();
     assert!(report.warnings.iter().any(|warning| warning.contains("single precision")), "{report}");
-    assert!(report.warnings.iter().any(|warning| warning.contains("1 vertices")), "{report}");
+    assert!(report.warnings.iter().any(|warning| warning.contains("1 vert")), "{report}");
     let planar = PointCloud::planar(&[Point2::new(1.0, 2.0)]);
     let report = pc_io::write_cloud(dir.path().join("a.obj"), &planar, &options).unwrap();
     assert!(report.warnings[0].contains("two-dimensional"), "{report}");
