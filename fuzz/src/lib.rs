@@ -113,7 +113,7 @@ fn places<const D: usize>() -> impl Iterator<Item = SVector<f64, D>> {
     [0.0, 0.3, 10.0, -1e9]
         .into_iter()
         .map(|size| SVector::from_fn(|i, _| size * [1.0, -0.7, 0.4][i]))
-        .chain([SVector::ith(0, 1.0)])
+        .chain([SVector::from_fn(|i, _| if i == 0 { 1.0 } else { 0.0 })])
 }
 
 fn check_foot<const D: usize>(x: &SVector<f64, D>, foot: &SVector<f64, D>, distance: f64, lower_bound: f64) {

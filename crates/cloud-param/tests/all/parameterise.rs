@@ -8,7 +8,7 @@ use cloud_param::{
 };
 use footpoint::SurfaceProjector;
 use nalgebra::{Rotation3, Vector3};
-use nurbs_core::{BsplineCurve, ParameterMethod, ParametricSurface};
+use nurbs_core::{BsplineCurve, BsplineSurface, ParameterMethod, ParametricSurface, construct};
 use sdm_fit::StepRecord;
 use std::ops::ControlFlow;
 use std::sync::Mutex;
@@ -211,7 +211,7 @@ fn can_be_cancelled_at_every_stage() {
 }
 
 #[test]
-fn the_method_before_needs_boundary_curves_and_folds_where_they_are_far() {
+fn the_method_before_comes_near_the_shape_between_its_boundary_curves() {
     // A quarter of the vase between four curves on it.
     let points: Vec<_> = (0..6000).map(scattered).map(|[a, h]| vase_point(0.25 * a, h)).collect();
     let cloud = Neighbourhood::new(&points).unwrap();
@@ -223,8 +223,22 @@ fn the_method_before_needs_boundary_curves_and_folds_where_they_are_far() {
     let along_v = [0.0, 0.25].map(|a| curve(&|t| vase_point(a, t)));
     let boundary = Boundary { along_u: [&along_u[0], &along_u[1]], along_v: [&along_v[0], &along_v[1]] };
     let options = RefineOptions { equalise: false, ..RefineOptions::default() };
-    let (_, report) = dynamic_base_surface(&cloud, &boundary, [16, 40], &options).unwrap();
-    assert!(report.history[report.history.len() - 1].rms < report.history[0].rms);
+    let (surface, report) = dynamic_base_surface(&cloud, &boundary, [16, 40], &options).unwrap();
+    assert!(report.history[report.kept].rms < report.history[0].rms);
+    // How far a surface is from the vase itself, along the radius.
+    let deviation = |surface: &BsplineSurface| {
+        let [u, v] = surface.domain();
+        let place =
+            |k: u32| surface.point(u.lerp(f64::from(k % 23) / 22.0), v.lerp(f64::from(k / 23) / 60.0));
+        let radial = |p: Vector3<f64>| {
+            let around = p.y.atan2(p.x) / std::f64::consts::TAU;
+            p.xy().norm() - vase_point(around, 0.1 * (p.z + 5.0)).xy().norm()
+        };
+        ((0..23 * 61).map(|k| radial(place(k)).powi(2)).sum::<f64>() / (23.0 * 61.0)).sqrt()
+    };
+    let coons = construct::coons(boundary.along_u, boundary.along_v, 1e-6).unwrap();
+    let [before, after] = [deviation(&coons), deviation(&surface)];
+    assert!(before > 0.1 && after < 0.3 * before, "{before} {after}");
     assert!(dynamic_base_surface(&cloud, &boundary, [3, 3], &options).is_err());
 }
 

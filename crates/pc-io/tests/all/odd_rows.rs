@@ -160,7 +160,7 @@ fn rows_of_a_pcd_file_have_as_many_numbers_as_fields() {
     let xyz = |rows: &[&str]| pcd("x y z", "4 4 4", "F F F", rows);
     assert_eq!(cloud(&xyz(&["1 2 3", "4 5 6"]), Format::Pcd).0.positions()[1], Point3::new(4.0, 5.0, 6.0));
     refused(&xyz(&["1 2 3", "4 5 6 7"]), Format::Pcd, "line 11: \"4 5 6 7\" has more than 3 numbers");
-    refused(&xyz(&["1 2 3", "4 5"]), Format::Pcd, "line 11: \"4 5\" has fewer than 3 numbers");
+    refused(&xyz(&["1 2 3", "40 500"]), Format::Pcd, "line 11: \"40 500\" has fewer than 3 numbers");
 }
 
 #[test]
