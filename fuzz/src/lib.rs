@@ -26,6 +26,7 @@ pub const TARGETS: &[(&str, Target)] = &[
     ("pcd", pcd),
     ("ply", ply),
     ("project", project),
+    ("ptx", ptx),
     ("stl", stl),
     ("xyz", xyz),
 ];
@@ -61,6 +62,11 @@ pub fn pcd(data: &[u8]) {
 /// Reads PLY.
 pub fn ply(data: &[u8]) {
     read_as(data, Format::Ply);
+}
+
+/// Reads PTX.
+pub fn ptx(data: &[u8]) {
+    read_as(data, Format::Ptx);
 }
 
 /// Reads STL.

@@ -39,6 +39,18 @@ const MEASUREMENTS: &[Measurement] = &[
         one_thread: true,
     },
     Measurement {
+        name: "projection-constructed",
+        title: "Certified projection of constructed shapes",
+        about: "Steep patches, high degrees, unequal weights, creases, collapsed edges, floating knots, large and small scales, shapes \
+                with axes and centres; queries on them, near, far and where they focus, against dense samples that are refined, and against \
+                the fast mode. Wanted: no wrong answer, no open certificate, no query above 1 ms.",
+        package: "footpoint",
+        features: "",
+        example: "constructed",
+        arguments: &[],
+        one_thread: true,
+    },
+    Measurement {
         name: "registration",
         title: "Registration from many starts",
         about: "All starts of the cases in `fixtures/register-cases`, up to 60 degrees away; errors against the certified optimum, \
@@ -118,6 +130,17 @@ const MEASUREMENTS: &[Measurement] = &[
         one_thread: true,
     },
     Measurement {
+        name: "primitives",
+        title: "Primitives against a minimiser with many starts",
+        about: "Pieces of 10 to 360 degrees in both directions, noise up to a hundredth of the radius, up to 45 % outliers, clouds that \
+                leave a shape open. Wanted: no fit that says converged above the lowest known root mean square by more than a part in 1e9.",
+        package: "sdm-fit",
+        features: "",
+        example: "primitive_fits",
+        arguments: &["2"],
+        one_thread: true,
+    },
+    Measurement {
         name: "real-fits",
         title: "Fits of real data",
         about: "Sections of an airfoil and of a scanned blade, the outline of a horse in an image, a side of the blade: as the data ask for, and \
@@ -171,6 +194,17 @@ const MEASUREMENTS: &[Measurement] = &[
         features: "",
         example: "visibility",
         arguments: &["fixtures/mesh/bunny.obj"],
+        one_thread: false,
+    },
+    Measurement {
+        name: "inspection-memory",
+        title: "Memory of an inspection",
+        about: "The largest resident memory of `indgeo inspect` on ten million generated points, in binary PLY with three doubles a point, \
+                which are read into memory. Wanted: at most 100 bytes a point, with and without files.",
+        package: "indgeo",
+        features: "",
+        example: "inspection_memory",
+        arguments: &["10000000"],
         one_thread: false,
     },
     Measurement {

@@ -146,7 +146,11 @@ impl<const D: usize> DistanceField<D> for CurveField<D> {
         let finite = local.iter().all(|c| c.is_finite());
         let start = hint.element_below(self.curves.len()).filter(|_| finite && search != Search::Global);
         let Some(shape) = start else {
-            return self.frame_of(&self.projector.project_with(x, &self.options), &local);
+            return match self.projector.project_with(x, &self.options) {
+                Ok(foot) => self.frame_of(&foot, &local),
+                // Not reached: the options were checked when they were set.
+                Err(_) => PrincipalFrame::invalid(Status::Diverged),
+            };
         };
         let parameter = hint.parameter[0];
         if search == Search::OneStep
@@ -163,8 +167,11 @@ impl<const D: usize> DistanceField<D> for CurveField<D> {
                 self.frame(&points[i], search, hints.get(i).unwrap_or(&Hint::NONE))
             });
         }
-        let feet = self.projector.project_many(points, &self.options, &no_progress);
-        parallel::map(points.len(), |i| self.frame_of(&feet[i], &(points[i] - self.centre)))
+        match self.projector.project_many(points, &self.options, &no_progress) {
+            Ok(feet) => parallel::map(points.len(), |i| self.frame_of(&feet[i], &(points[i] - self.centre))),
+            // Not reached: the options were checked when they were set.
+            Err(_) => vec![PrincipalFrame::invalid(Status::Diverged); points.len()],
+        }
     }
 
     fn bounding_box(&self) -> Aabb<D> {

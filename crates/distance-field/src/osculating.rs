@@ -108,4 +108,109 @@ mod tests {
         let turned = turned_axes(&Matrix2::identity(), &Vector2::new(0.75, 0.0));
         assert!((turned - Matrix2::new(0.8, -0.6, 0.6, 0.8)).norm() < 1e-15);
     }
+
+    /// A frame at the origin whose axes are those of the coordinates.
+    fn frame_at_origin<const D: usize>(curvatures: SVector<f64, D>, count: usize) -> PrincipalFrame<D> {
+        PrincipalFrame {
+            foot: SVector::zeros(),
+            axes: SMatrix::identity(),
+            curvatures,
+            tangent_dimension: count,
+            distance: 0.3,
+            ..PrincipalFrame::invalid(footpoint::Status::Converged)
+        }
+    }
+
+    /// The foot of `(a, h)` on the parabola `y = ½ κ x²`, to all digits.
+    fn on_parabola(k: f64, a: f64, h: f64) -> Vector2<f64> {
+        let mut p = a / (1.0 - h * k);
+        for _ in 0..50 {
+            p -= ((p - a) + (0.5 * k * p * p - h) * k * p) / (1.0 + 1.5 * k * k * p * p - h * k);
+        }
+        Vector2::new(p, 0.5 * k * p * p)
+    }
+
+    #[test]
+    fn each_round_gains_two_orders_on_a_parabola() {
+        for (k, h) in [(0.5, 0.4), (-0.8, 0.3), (1.5, -0.2)] {
+            let frame = frame_at_origin(Vector2::new(k, 0.0), 1);
+            let error = |a: f64| {
+                let near = frame_nearby(&frame, &Vector2::new(a, h), 10.0);
+                let exact = on_parabola(k, a, h);
+                // The normal of the parabola, and the distance along it.
+                let slope = k * near.foot.x;
+                let normal = Vector2::new(-slope, 1.0) / 1.0f64.hypot(slope);
+                assert!((near.normal() - normal).norm() < 1e-15, "{near:?}");
+                let residual = Vector2::new(a, h) - near.foot;
+                assert!((near.distance - residual.dot(&normal)).abs() < 1e-16);
+                (near.foot - exact).norm()
+            };
+            // Three rounds: the first neglected term is of the order 7.
+            let errors = [0.2, 0.1, 0.05].map(error);
+            assert!(errors[0] < 1e-5 && errors[1] < 1e-7 && errors[2] < 1e-9, "{errors:?}");
+            assert!(errors.windows(2).all(|e| e[0] > 100.0 * e[1]), "{errors:?}");
+        }
+    }
+
+    #[test]
+    fn both_directions_of_a_quadric_count() {
+        let frame = frame_at_origin(Vector3::new(0.5, -0.8, 0.0), 2);
+        let x = Vector3::new(0.02, 0.03, 0.4);
+        let near = frame_nearby(&frame, &x, 10.0);
+        // At the foot the residual is normal to both tangents of z = ½ (κ₁ x² + κ₂ y²).
+        let [p, q] = [near.foot.x, near.foot.y];
+        assert!((near.foot.z - 0.5 * (0.5 * p * p - 0.8 * q * q)).abs() < 1e-9);
+        let residual = x - near.foot;
+        for tangent in [Vector3::new(1.0, 0.0, 0.5 * p), Vector3::new(0.0, 1.0, -0.8 * q)] {
+            assert!(residual.dot(&tangent).abs() < 1e-9, "{near:?}");
+        }
+        assert!((near.normal().cross(&residual)).norm() < 1e-9 && near.distance > 0.0);
+    }
+
+    #[test]
+    fn the_foot_stays_within_reach_and_before_the_centre() {
+        let frame = frame_at_origin(Vector2::new(2.0, 0.0), 1);
+        for (a, expected) in [(5.0, 0.25), (-5.0, -0.25)] {
+            let near = frame_nearby(&frame, &Vector2::new(a, 0.1), 0.25);
+            assert_eq!(near.foot, Vector2::new(expected, 0.0625));
+        }
+        // At the centre of curvature, and beyond it, the foot moves ten times as far as the query.
+        for h in [0.5, 0.9] {
+            let near = frame_nearby(&frame, &Vector2::new(1e-4, h), 0.25);
+            assert!((near.foot.x - 1e-3).abs() < 1e-12, "{near:?}");
+        }
+        // Before it the exact factor counts.
+        let near = frame_nearby(&frame, &Vector2::new(1e-6, 0.25), 0.25);
+        assert!((near.foot.x - 2e-6).abs() < 1e-15, "{near:?}");
+    }
+
+    #[test]
+    fn frames_along_a_circle_in_space_are_those_of_the_circle() {
+        // The circle of radius 2 about (0, 0, 2) in the plane of the first and last axes, as seen from between.
+        let frame = frame_at_origin(Vector3::new(0.5, 0.0, 0.0), 1);
+        let error = |a: f64| {
+            let x = Vector3::new(a, 0.3, 0.4);
+            let near = frame_nearby(&frame, &x, 10.0);
+            // The exact foot, and the curvature towards the query.
+            let inwards = Vector3::new(-a, 0.0, 2.0 - x.z).normalize();
+            let foot = Vector3::new(0.0, 0.0, 2.0) - inwards * 2.0;
+            let residual = x - foot;
+            let curvature = 0.5 * inwards.dot(&residual.normalize());
+            let tangent = Vector3::new(inwards.z, 0.0, -inwards.x);
+            assert!((near.axes.tr_mul(&near.axes) - Matrix3::identity()).norm() < 1e-12);
+            // Taylor's parabola leaves the circle with the order 4, its tangent and curvature with the order 3 and 2.
+            [
+                (near.foot - foot).norm(),
+                (near.distance - residual.norm()).abs(),
+                (near.axes.column(0).cross(&tangent)).norm(),
+                (near.curvatures[0] - curvature).abs(),
+            ]
+        };
+        let errors = [0.1, 0.05, 0.025].map(error);
+        for (e, order) in [(0, 3), (1, 4), (2, 3), (3, 2)] {
+            let least = 0.8 * 2.0f64.powi(order);
+            assert!(errors.windows(2).all(|w| w[0][e] > least * w[1][e]), "{e}: {errors:?}");
+            assert!(errors[0][e] < 0.05 * 0.1f64.powi(order - 1), "{e}: {errors:?}");
+        }
+    }
 }

@@ -213,22 +213,30 @@ impl SurfaceField {
         Some(Place { shape, parameter: hint.parameter, status: Status::MaxIterations })
     }
 
+    /// The feet of all points by a global search.
+    fn searched(&self, points: &[Vector3<f64>]) -> Vec<SurfaceFootpoint> {
+        // No error is reached: the options were checked when they were set.
+        self.projector
+            .project_many(points, &self.options, &no_progress)
+            .unwrap_or_else(|_| vec![previous(None); points.len()])
+    }
+
     /// The feet of all points: from the hints that there are, the others by a global search.
     fn feet(&self, points: &[Vector3<f64>], hints: &[Hint]) -> Vec<SurfaceFootpoint> {
         if hints.is_empty() {
-            return self.projector.project_many(points, &self.options, &no_progress);
+            return self.searched(points);
         }
         let previous: Vec<SurfaceFootpoint> =
             (0..points.len()).map(|i| previous(hints.get(i).and_then(|hint| self.start(hint)))).collect();
         let Ok(mut feet) = self.projector.update_many(points, &previous) else {
-            return self.projector.project_many(points, &self.options, &no_progress);
+            return self.searched(points);
         };
         let missing: Vec<usize> = (0..points.len())
             .filter(|&i| !previous[i].parameter[0].is_finite() && points[i].iter().all(|c| c.is_finite()))
             .collect();
         if !missing.is_empty() {
             let left: Vec<Vector3<f64>> = missing.iter().map(|&i| points[i]).collect();
-            let found = self.projector.project_many(&left, &self.options, &no_progress);
+            let found = self.searched(&left);
             for (index, foot) in missing.into_iter().zip(found) {
                 feet[index] = foot;
             }
@@ -312,7 +320,11 @@ impl DistanceField<3> for SurfaceField {
         let start =
             self.start(hint).filter(|_| search != Search::Global && local.iter().all(|c| c.is_finite()));
         match start {
-            None => self.frame_of(&self.projector.project_with(x, &self.options), &local),
+            None => match self.projector.project_with(x, &self.options) {
+                Ok(foot) => self.frame_of(&foot, &local),
+                // Not reached: the options were checked when they were set.
+                Err(_) => PrincipalFrame::invalid(Status::Diverged),
+            },
             Some(start) if search == Search::OneStep => self.one_step(&local, &start),
             Some(start) => {
                 self.frame_of(&self.projector.project_from(x, start.shape, start.parameter), &local)

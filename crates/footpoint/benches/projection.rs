@@ -38,7 +38,7 @@ fn searches(c: &mut Criterion) {
                 group.bench_function(format!("{}-{set}", shape.name), |b| {
                     b.iter(|| {
                         points.iter().for_each(|x| {
-                            black_box(projector.project_with(x, &options));
+                            let _ = black_box(projector.project_with(x, &options));
                         });
                     });
                 });
@@ -62,7 +62,7 @@ fn curve_searches<const D: usize>(
         group.bench_function(format!("{name}-{set}"), |b| {
             b.iter(|| {
                 points.iter().for_each(|x| {
-                    black_box(projector.project_with(x, options));
+                    let _ = black_box(projector.project_with(x, options));
                 });
             });
         });

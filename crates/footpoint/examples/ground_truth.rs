@@ -61,7 +61,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             run(&dir, &stem, size, |x: &Vector3<f64>, mode| {
                 let options = ProjectionOptions::default().with_mode(mode);
                 let start = Instant::now();
-                let foot = projector.project_with(x, &options);
+                let foot = projector.project_with(x, &options)?;
                 let seconds = start.elapsed().as_secs_f64();
                 let [u, v] = foot.parameter;
                 let near =
@@ -71,14 +71,14 @@ fn main() -> Result<(), Box<dyn Error>> {
                 let warm = start.elapsed().as_secs_f64().max(0.0 * warm.distance);
                 let inside = surface.domain()[0].contains(u) && surface.domain()[1].contains(v);
                 let gap = ((surface.point(u, v) - x).norm() - foot.distance).abs();
-                Answer {
+                Ok(Answer {
                     distance: foot.distance,
                     bound: foot.lower_bound,
                     consistent: inside && gap <= 1e-9 * size,
                     seconds,
                     warm,
                     note: format!("{foot} {:?} {:?}", foot.location, foot.multiplicity),
-                }
+                })
             })?;
         } else if json["control_points"][0].as_array().map(Vec::len) == Some(2) {
             curve::<2>(&dir, &stem, serde_json::from_value(json)?)?;
@@ -100,21 +100,21 @@ fn curve<const D: usize>(dir: &str, stem: &str, curve: BsplineCurve<D>) -> Resul
     run(dir, stem, size, |x: &SVector<f64, D>, mode| {
         let options = ProjectionOptions::default().with_mode(mode);
         let start = Instant::now();
-        let foot = projector.project_with(x, &options);
+        let foot = projector.project_with(x, &options)?;
         let seconds = start.elapsed().as_secs_f64();
         let near = foot.parameter + 0.005 * curve.domain().length();
         let start = Instant::now();
         let warm = projector.project_from(x, 0, near);
         let warm = start.elapsed().as_secs_f64().max(0.0 * warm.distance);
         let gap = ((curve.point(foot.parameter) - x).norm() - foot.distance).abs();
-        Answer {
+        Ok(Answer {
             distance: foot.distance,
             bound: foot.lower_bound,
             consistent: curve.domain().contains(foot.parameter) && gap <= 1e-9 * size,
             seconds,
             warm,
             note: format!("{foot} {:?} {:?}", foot.location, foot.multiplicity),
-        }
+        })
     })
 }
 
@@ -128,7 +128,7 @@ fn run<const D: usize>(
     dir: &str,
     stem: &str,
     size: f64,
-    answer: impl Fn(&SVector<f64, D>, Mode) -> Answer,
+    answer: impl Fn(&SVector<f64, D>, Mode) -> Result<Answer, footpoint::Error>,
 ) -> Result<(), Box<dyn Error>> {
     for set in ["on", "near", "mid", "far", "beyond", "singular", "paper"] {
         let queries = Path::new(dir).join(format!("{stem}.{set}.q"));
@@ -144,7 +144,7 @@ fn run<const D: usize>(
             // A first round warms the caches; the second one is timed.
             for round in 0..2 {
                 for (i, (x, truth)) in points.iter().zip(&truths).enumerate() {
-                    let found = answer(x, mode);
+                    let found = answer(x, mode)?;
                     let time = found.seconds;
                     if round == 0 {
                         continue;

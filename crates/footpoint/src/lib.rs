@@ -28,6 +28,7 @@
 //! fused operations are used.
 
 mod error;
+mod facing;
 mod footpoint;
 mod global;
 pub mod local;
@@ -36,6 +37,7 @@ mod projector;
 mod status;
 
 pub use error::Error;
+pub use facing::Facing;
 pub use footpoint::{CurveFootpoint, SurfaceFootpoint};
 pub use options::{Mode, ProjectionOptions, UpdateOptions};
 pub use projector::{CurveFeet, CurveProjector, Progress, SurfaceFeet, SurfaceProjector, no_progress};

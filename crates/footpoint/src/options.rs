@@ -17,7 +17,11 @@ pub enum Mode {
     /// missed only where it hides between samples. Patches with a collapsed edge are searched as for a proof, since next
     /// to a pole no sample leads to the foot. For wavy surfaces and tight turns within one piece, certify.
     Fast,
-    /// One local iteration from the start given: a previous answer, or the nearest piece when there is none.
+    /// One local iteration, from the place next to the point of a few on the pieces around it; no proof.
+    ///
+    /// The answer is a true point of the shape with its distance, and a local minimum, but often not the nearest one where
+    /// the shape comes near the point twice. It does not depend on other points. From a known start
+    /// [`SurfaceProjector::project_from`](crate::SurfaceProjector::project_from) does the same.
     Local,
 }
 
@@ -29,11 +33,13 @@ pub struct ProjectionOptions {
     pub mode: Mode,
     /// Allowed gap between distance and lower bound as a share of the distance; default 1e-7.
     pub relative_gap: f64,
-    /// Allowed gap as a share of the largest side of the bounding box of the model; default 1e-10.
-    pub absolute_gap: f64,
+    /// Allowed gap as a share of the size of the model, the largest side of its bounding box; default 1e-10.
+    pub size_gap: f64,
     /// Relative difference below which two distances count as equal (ties); default 1e-9.
     pub tie_tolerance: f64,
-    /// Boxes examined per piece before a proof is given up, with the weaker bound reported; default 20 000.
+    /// Work for one query after which a proof is given up, with the weaker bound reported; default 20 000, about a millisecond.
+    ///
+    /// A part of a bicubic patch that is examined counts about ten, more for higher degrees.
     pub max_boxes: u32,
 }
 
@@ -42,7 +48,7 @@ impl Default for ProjectionOptions {
         Self {
             mode: Mode::Certified,
             relative_gap: 1e-7,
-            absolute_gap: 1e-10,
+            size_gap: 1e-10,
             tie_tolerance: 1e-9,
             max_boxes: 20_000,
         }
@@ -62,10 +68,10 @@ impl ProjectionOptions {
         Self { relative_gap, ..self }
     }
 
-    /// The same options with another absolute gap (share of the size of the model).
+    /// The same options with another gap as a share of the size of the model.
     #[must_use]
-    pub fn with_absolute_gap(self, absolute_gap: f64) -> Self {
-        Self { absolute_gap, ..self }
+    pub fn with_size_gap(self, size_gap: f64) -> Self {
+        Self { size_gap, ..self }
     }
 
     /// Checks that every tolerance is usable.
@@ -75,7 +81,7 @@ impl ProjectionOptions {
     pub fn validate(&self) -> Result<(), Error> {
         let gaps = [
             ("relative_gap", self.relative_gap),
-            ("absolute_gap", self.absolute_gap),
+            ("size_gap", self.size_gap),
             ("tie_tolerance", self.tie_tolerance),
         ];
         for (option, value) in gaps {

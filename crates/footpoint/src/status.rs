@@ -11,6 +11,10 @@ pub enum Status {
     Converged,
     /// They hold at the boundary of the domain: the distance would decrease outside only.
     OnBoundary,
+    /// The optimality conditions hold, in the interior or at the boundary, but a certificate was asked for and stayed open:
+    /// `distance − lower_bound` is larger than the options allow, so that another point may be nearer by as much.
+    /// Rounding does not count: the square of a lower bound on a curve is not known better than some 1e-14 of the squared size.
+    Uncertified,
     /// Steps became negligible, but the optimality conditions do not hold.
     Stalled,
     /// The limit on iterations was reached first.
@@ -21,13 +25,17 @@ pub enum Status {
     Cancelled,
     /// The point has a coordinate that is not finite; nothing was computed.
     InvalidPoint,
+    /// No foot of the point has a normal that agrees with the direction given ([`Facing`](crate::Facing)).
+    NoMatchingFoot,
+    /// The point has no normal, though only feet count whose normals agree with it; nothing was computed.
+    NoNormal,
 }
 
 impl Status {
-    /// Whether the footpoint satisfies the optimality conditions.
+    /// Whether the footpoint satisfies the optimality conditions, proven to be the nearest or not.
     #[must_use]
     pub fn is_converged(self) -> bool {
-        matches!(self, Self::Converged | Self::OnBoundary)
+        matches!(self, Self::Converged | Self::OnBoundary | Self::Uncertified)
     }
 
     /// The name used in files: `converged`, `on_boundary`, …
@@ -36,11 +44,14 @@ impl Status {
         match self {
             Self::Converged => "converged",
             Self::OnBoundary => "on_boundary",
+            Self::Uncertified => "uncertified",
             Self::Stalled => "stalled",
             Self::MaxIterations => "max_iterations",
             Self::Diverged => "diverged",
             Self::Cancelled => "cancelled",
             Self::InvalidPoint => "invalid_point",
+            Self::NoMatchingFoot => "no_matching_foot",
+            Self::NoNormal => "no_normal",
         }
     }
 }

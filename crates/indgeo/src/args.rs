@@ -4,7 +4,7 @@ use crate::commands::{
     convert, demo, fit_curve, fit_ruled, fit_subdivision, fit_surface, info, inspect, parameterize, project,
     register, register_views, selftest,
 };
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::path::{Path, PathBuf};
 
 /// From scans to CAD: deviations from NURBS models and meshes, with a proof that no other point is nearer.
@@ -18,7 +18,13 @@ pub(crate) struct Cli {
 }
 
 const AFTER_HELP: &str = "\
-Exit status: 0 done; 1 done, but the answer is \"no\" (out of tolerance, not converged); 2 bad input or usage.
+Exit status, the same for every command:
+  0    done, and what was asked for holds
+  1    done, but the answer is \"no\", or it is not proven, or an iteration did not converge; files are written nevertheless
+  2    bad input or usage; nothing is written but the report
+  130  interrupted (SIGINT, SIGTERM, SIGHUP); nothing half-written stays, and the report (--json) says \"cancelled\"
+
+An output called `-` is standard output; then nothing else is printed there. An input called `-` is standard input.
 Units are those of the files. Formats are recognised by content first, by extension second.
 
 Examples:
@@ -49,6 +55,24 @@ pub(crate) enum Command {
     Info(info::Args),
     Demo(demo::Args),
     Selftest(selftest::Args),
+}
+
+impl Cli {
+    /// What was typed; ends the program with a message, or with the help.
+    pub(crate) fn of_command_line() -> Self {
+        let matches = Self::typed().get_matches();
+        Self::from_arg_matches(&matches).unwrap_or_else(|error| error.exit())
+    }
+
+    /// The parser of the command line, in which `-0.1` after an option is its value: what is wrong with it is then said.
+    fn typed() -> clap::Command {
+        Self::command().mut_subcommands(|command| {
+            command.mut_args(|arg| {
+                let takes_values = arg.get_action().takes_values() && !arg.is_positional();
+                if takes_values { arg.allow_negative_numbers(true) } else { arg }
+            })
+        })
+    }
 }
 
 impl Command {

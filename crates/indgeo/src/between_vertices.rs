@@ -1,6 +1,7 @@
 //! Points on the triangles of meshes that were thinned out.
 
 use crate::report::Report;
+use crate::wording::counted;
 use industrial_geometry::mesh::{TriangleMesh, sample_wide_triangles};
 use industrial_geometry::nurbs::nalgebra::Vector3;
 use std::path::Path;
@@ -19,10 +20,10 @@ pub(crate) fn between_vertices(mesh: &TriangleMesh, path: &Path, report: &mut Re
         return Vec::new();
     }
     report.warnings.push(format!(
-        "{}: its triangles are of very different sizes; {} points on the wide ones are taken besides the {} vertices",
+        "{}: its triangles are of very different sizes; {} on the wide ones are taken besides the {}",
         path.display(),
-        samples.len(),
-        vertices.len()
+        counted(samples.len(), "point"),
+        counted(vertices.len(), "vertex")
     ));
     samples.into_iter().map(|sample| sample.point.coords).collect()
 }

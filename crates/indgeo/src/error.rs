@@ -41,6 +41,12 @@ pub(crate) enum Error {
         /// What is wrong.
         source: mesh::Error,
     },
+    /// Several files cannot be read; each says why.
+    #[error("{}", errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("\nerror: "))]
+    Files {
+        /// One per file.
+        errors: Vec<Self>,
+    },
     /// Options that cannot be used.
     #[error("{what}; {advice}")]
     Usage {
@@ -62,10 +68,31 @@ impl Error {
         Self::Usage { what: what.into(), advice }
     }
 
+    /// An option that the library refuses, named as it is typed.
+    pub(crate) fn option(name: &str, value: f64, allowed: &str, advice: &'static str) -> Self {
+        Self::usage(format!("{} is {value}, it must be {allowed}", typed(name)), advice)
+    }
+
     /// A failed write to `path`.
     pub(crate) fn write(path: &Path, source: std::io::Error) -> Self {
         Self::File { source: io::Error::Io { path: path.to_path_buf(), action: "write", source } }
     }
+}
+
+/// The option that is typed for one of the library.
+fn typed(name: &str) -> String {
+    let option = match name {
+        "controls" | "control_points" => "control-points",
+        "max_controls" => "max-control-points",
+        "abs_tolerance" => "tolerance",
+        "section_normal" => "level",
+        "abs_twist" => "developable",
+        "abs_distance" => "offset",
+        "lambda" | "start" | "floor" | "factor" => "smoothing",
+        "size" => "grid",
+        other => return format!("--{}", other.replace('_', "-")),
+    };
+    format!("--{option}")
 }
 
 /// What to do about an answer of the operating system, which does not say.

@@ -1,9 +1,12 @@
 //! Paths of files to be read and written, checked before any work is done.
 
 use crate::error::Error;
-use industrial_geometry::io::{self, AtomicFile, Content, Loaded, ReadOptions};
+use industrial_geometry::io::{
+    self, AtomicFile, Content, Format, Loaded, ReadOptions, WriteOptions, WriteReport,
+};
 use std::fs;
-use std::path::Path;
+use std::io::{BufWriter, ErrorKind, StdoutLock, Write};
+use std::path::{Path, PathBuf};
 
 /// The name that stands for standard input and standard output.
 const STREAM: &str = "-";
@@ -29,8 +32,92 @@ pub(crate) fn check_inputs(inputs: &[&Path]) -> Result<(), Error> {
     Ok(())
 }
 
+/// Writes a file, which appears whole or not at all, or to standard output where it is called `-`; returns the number of
+/// bytes.
+pub(crate) fn write(
+    path: &Path,
+    fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
+) -> Result<u64, Error> {
+    if is_stream(path) {
+        return print(fill);
+    }
+    let mut file = AtomicFile::create(path)?;
+    fill(&mut file).map_err(|source| Error::write(path, source))?;
+    Ok(file.commit()?)
+}
+
+/// Writes to standard output; returns the number of bytes.
+fn print(fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Result<u64, Error> {
+    let mut out = BufWriter::new(StandardOutput { out: std::io::stdout().lock(), bytes: 0 });
+    let failed = |source| Error::write(Path::new("standard output"), source);
+    fill(&mut out).and_then(|()| out.flush()).map_err(failed)?;
+    Ok(out.get_ref().bytes)
+}
+
+/// Standard output, and how much was written. A reader that has seen enough is no error.
+struct StandardOutput {
+    out: StdoutLock<'static>,
+    bytes: u64,
+}
+
+impl Write for StandardOutput {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        let count = match self.out.write(bytes) {
+            Err(error) if error.kind() == ErrorKind::BrokenPipe => bytes.len(),
+            other => other?,
+        };
+        self.bytes += count as u64;
+        Ok(count)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        match self.out.flush() {
+            Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+            other => other,
+        }
+    }
+}
+
+/// Writes points, triangles or shapes, in the format of `options` or of the extension; on standard output (`-`) CSV is the
+/// format of points, OBJ that of triangles, and JSON that of shapes, unless `options` say otherwise.
+pub(crate) fn write_content(
+    path: &Path,
+    content: &Content,
+    options: &WriteOptions,
+) -> Result<WriteReport, Error> {
+    if !is_stream(path) {
+        return Ok(io::write(path, content, options)?);
+    }
+    let usual = match content {
+        Content::Cloud(_) => Format::Csv,
+        Content::Mesh(_) => Format::Obj,
+        Content::Nurbs(_) => Format::Json,
+    };
+    let options = options.with_format(options.format.unwrap_or(usual));
+    let mut out = StandardOutput { out: std::io::stdout().lock(), bytes: 0 };
+    Ok(io::write_to(&mut out, "standard output", content, &options)?)
+}
+
+/// The format that a file of points, triangles or shapes shall have, as typed.
+pub(crate) fn parse_format(text: &str) -> Result<Format, String> {
+    Format::from_extension(text)
+        .ok_or_else(|| "choose ply, xyz, csv, pts, obj, stl, off, pcd or json".to_owned())
+}
+
+/// Makes sure that the folder for several results is none of the streams.
+pub(crate) fn check_folder(path: &Path) -> Result<(), Error> {
+    if is_stream(path) {
+        let what = "several files are written, which cannot go to standard output (`-`)";
+        return Err(Error::usage(what, "name a folder: -o DIR"));
+    }
+    Ok(())
+}
+
 /// Makes sure that `path` can be written and is none of the inputs, and leaves everything as it was.
 pub(crate) fn check_writable(path: &Path, inputs: &[&Path]) -> Result<(), Error> {
+    if is_stream(path) {
+        return Ok(());
+    }
     if inputs.iter().any(|input| is_same(path, input)) {
         return Err(Error::content(
             path,
@@ -49,6 +136,7 @@ pub(crate) fn check_writable(path: &Path, inputs: &[&Path]) -> Result<(), Error>
 /// Whether two paths name the same file, there or not yet. Devices and pipes are never the same.
 pub(crate) fn is_same(a: &Path, b: &Path) -> bool {
     let place = |path: &Path| {
+        let path = &without_links(path);
         if let Ok(there) = fs::canonicalize(path) {
             return Some(there).filter(|there| there.is_file());
         }
@@ -56,6 +144,17 @@ pub(crate) fn is_same(a: &Path, b: &Path) -> bool {
         Some(fs::canonicalize(folder.unwrap_or(Path::new("."))).ok()?.join(path.file_name()?))
     };
     !is_stream(a) && !is_stream(b) && place(a).is_some_and(|a| place(b).is_some_and(|b| a == b))
+}
+
+/// What a path leads to when links whose target is not there yet are followed.
+fn without_links(path: &Path) -> PathBuf {
+    let mut place = path.to_path_buf();
+    // More links in a row are a circle.
+    for _ in 0..40 {
+        let Ok(target) = fs::read_link(&place) else { break };
+        place = place.parent().map_or_else(|| target.clone(), |folder| folder.join(&target));
+    }
+    place
 }
 
 /// The extension in lower case; empty when there is none.

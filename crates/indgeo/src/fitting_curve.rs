@@ -3,16 +3,20 @@
 use crate::error::Error;
 use crate::evolution;
 use crate::files;
+use crate::fit_numbers::{FitVerdict, told};
 use crate::fitting_input::{check_paths, put_model, warn_dropped};
 use crate::progress::Progress;
 use crate::report::{Input, Output, Report, Results, Timings};
-use industrial_geometry::fit::curve::{CurveFit, CurveOptions, PointFoot, fit_curve_with_progress};
+use crate::wording::counted;
+use industrial_geometry::fit::curve::{
+    CurveFit, CurveOptions, CurveReport, PointFoot, fit_curve_with_progress,
+};
 use industrial_geometry::fit::{Error as FitError, StepRecord};
-use industrial_geometry::io::{AtomicFile, Content, Model, ReadOptions, Shape};
+use industrial_geometry::io::{Content, Model, ReadOptions, Shape};
 use industrial_geometry::nurbs::BsplineCurve;
 use industrial_geometry::nurbs::nalgebra::{SVector, Vector3};
+use serde::Serialize;
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::Path;
 
 /// What is to be done.
@@ -36,6 +40,14 @@ pub(crate) struct Job<'a> {
     pub(crate) quiet: bool,
 }
 
+/// What a fit of a curve found.
+#[derive(Debug, Serialize)]
+pub(crate) struct CurveResults {
+    /// What the library reports.
+    #[serde(flatten)]
+    pub(crate) fitted: CurveReport,
+}
+
 /// A curve to start from.
 enum Start {
     Plane(BsplineCurve<2>),
@@ -43,13 +55,13 @@ enum Start {
 }
 
 /// Does the job and fills in the report; returns whether the curve is what was asked for.
-pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
+pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Error> {
     let inputs: Vec<&Path> = std::iter::once(job.points).chain(job.init).collect();
     let outputs: Vec<&Path> = [job.out, job.feet, job.history, job.evolution].into_iter().flatten().collect();
     check_paths(&inputs, &outputs)?;
     let loaded =
         Timings::measure(&mut report.timings.read, || files::read(job.points, &ReadOptions::default()))?;
-    report.inputs.push(Input::new("points", job.points, &loaded.report));
+    report.add_input(Input::new("points", job.points, &loaded.report));
     let (points, planar) = positions(&loaded.content, job.points)?;
     match job.init.map(|path| start(path, report)).transpose()? {
         Some(Start::Space(curve)) => solve(job, &points, Some(curve), report),
@@ -86,7 +98,7 @@ fn in_plane(points: &[Vector3<f64>]) -> Vec<SVector<f64, 2>> {
 /// The first curve of a NURBS file.
 fn start(path: &Path, report: &mut Report) -> Result<Start, Error> {
     let loaded = Timings::measure(&mut report.timings.read, || files::read(path, &ReadOptions::default()))?;
-    report.inputs.push(Input::new("init", path, &loaded.report));
+    report.add_input(Input::new("init", path, &loaded.report));
     let shapes = match loaded.content {
         Content::Nurbs(model) => model.into_shapes(),
         _ => Vec::new(),
@@ -106,12 +118,13 @@ fn solve<const D: usize>(
     points: &[SVector<f64, D>],
     start: Option<BsplineCurve<D>>,
     report: &mut Report,
-) -> Result<bool, Error>
+) -> Result<FitVerdict, Error>
 where
     BsplineCurve<D>: Into<Shape>,
 {
-    let progress = Progress::new("fitting", job.quiet);
-    let tell = |_: &StepRecord| progress.tick();
+    let progress = Progress::iterations("fitting", job.quiet);
+    let most = job.options.fit.max_iterations;
+    let tell = |step: &StepRecord| told(&progress, step, most);
     let found = Timings::measure(&mut report.timings.compute, || {
         fit_curve_with_progress(points, start.as_ref(), &job.options, &tell)
     });
@@ -119,9 +132,11 @@ where
     let found = found.map_err(|error| refused(job, &error))?;
     warn(job, &found, report);
     write(job, points, &found, report)?;
-    let good = found.report.is_converged() && found.report.reached != Some(false);
-    report.results = Some(Results::Curve(Box::new(found.report)));
-    Ok(good)
+    let fitted = found.report;
+    report.count_points("points", fitted.dropped, fitted.used);
+    let verdict = FitVerdict::of(fitted.status, fitted.reached);
+    report.results = Some(Results::Curve(Box::new(CurveResults { fitted })));
+    Ok(verdict)
 }
 
 fn warn<const D: usize>(job: &Job<'_>, found: &CurveFit<D>, report: &mut Report) {
@@ -129,8 +144,8 @@ fn warn<const D: usize>(job: &Job<'_>, found: &CurveFit<D>, report: &mut Report)
     warn_dropped(job.points, fitted.dropped, fitted.points, report);
     if !fitted.crossings.is_empty() {
         report.warnings.push(format!(
-            "the curve crosses itself {} times; take fewer control points or a larger --smoothing",
-            fitted.crossings.len()
+            "the curve crosses itself {}; take fewer control points or a larger --smoothing",
+            counted(fitted.crossings.len(), "time")
         ));
     }
 }
@@ -145,7 +160,7 @@ where
     BsplineCurve<D>: Into<Shape>,
 {
     if let Some(path) = job.out {
-        let content = format!("B-spline curve with {} control points", found.report.controls);
+        let content = format!("B-spline curve with {}", counted(found.report.controls, "control point"));
         put_model(path, found.curve.clone(), content, report)?;
     }
     if let Some(path) = job.feet {
@@ -160,7 +175,7 @@ where
             model.push(curve.clone(), Some(format!("step {k}")));
         }
         model.push(found.curve.clone(), Some("result".to_owned()));
-        put_model(path, model, format!("{} curves", found.evolution.len() + 1), report)?;
+        put_model(path, model, counted(found.evolution.len() + 1, "curve"), report)?;
     } else if let Some(path) = job.evolution {
         put(path, &evolution::drawing(points, &found.evolution, &found.curve), "drawing", report)?;
     }
@@ -168,13 +183,10 @@ where
 }
 
 fn put(path: &Path, text: &str, content: &str, report: &mut Report) -> Result<(), Error> {
-    let failed = |source: std::io::Error| Error::write(path, source);
-    let bytes = Timings::measure(&mut report.timings.write, || -> Result<u64, Error> {
-        let mut file = AtomicFile::create(path)?;
-        file.write_all(text.as_bytes()).map_err(failed)?;
-        Ok(file.commit()?)
+    let bytes = Timings::measure(&mut report.timings.write, || {
+        files::write(path, |out| out.write_all(text.as_bytes()))
     })?;
-    report.outputs.push(Output { path: path.to_path_buf(), bytes, content: content.to_owned() });
+    report.add_output(Output { path: path.to_path_buf(), bytes, content: content.to_owned() });
     Ok(())
 }
 
@@ -225,7 +237,9 @@ fn refused(job: &Job<'_>, error: &FitError) -> Error {
             error.to_string(),
             "give a start without weights, or add --rational",
         ),
-        FitError::Option { .. } => Error::usage(error.to_string(), "see `indgeo fit-curve --help`"),
+        FitError::Option { name, value, allowed } => {
+            Error::option(name, *value, allowed, "see `indgeo fit-curve --help`")
+        }
         FitError::TooFewPoints { .. } => Error::content(
             job.points,
             error.to_string(),

@@ -3,7 +3,8 @@
 use crate::error::Error;
 use crate::files;
 use crate::report::{Input, Output, Report, Timings};
-use industrial_geometry::io::{self, Content, Model, ReadOptions, Shape, WriteOptions};
+use crate::wording::{counted, not_finite};
+use industrial_geometry::io::{Content, Model, ReadOptions, Shape, WriteOptions};
 use industrial_geometry::mesh::TriangleMesh;
 use industrial_geometry::nurbs::nalgebra::Vector3;
 use industrial_geometry::nurbs::{BsplineSurface, ParametricSurface};
@@ -28,7 +29,7 @@ impl Scan {
     pub(crate) fn read(path: &Path, shapes: bool, report: &mut Report) -> Result<Self, Error> {
         let loaded =
             Timings::measure(&mut report.timings.read, || files::read(path, &ReadOptions::default()))?;
-        report.inputs.push(Input::new("points", path, &loaded.report));
+        report.add_input(Input::new("points", path, &loaded.report));
         let coordinates = |mesh: &TriangleMesh| mesh.vertices().iter().map(|p| p.coords).collect();
         match loaded.content {
             Content::Mesh(mesh) => {
@@ -82,7 +83,7 @@ fn surfaces(model: Model) -> impl Iterator<Item = BsplineSurface> {
 /// The first surface of a NURBS file, to start from.
 pub(crate) fn start_surface(path: &Path, report: &mut Report) -> Result<BsplineSurface, Error> {
     let loaded = Timings::measure(&mut report.timings.read, || files::read(path, &ReadOptions::default()))?;
-    report.inputs.push(Input::new("init", path, &loaded.report));
+    report.add_input(Input::new("init", path, &loaded.report));
     let found = match loaded.content {
         Content::Nurbs(model) => surfaces(model).next(),
         _ => None,
@@ -107,10 +108,7 @@ pub(crate) fn check_paths(inputs: &[&Path], outputs: &[&Path]) -> Result<(), Err
 /// Says how many points do not count because they are not finite.
 pub(crate) fn warn_dropped(path: &Path, dropped: usize, points: usize, report: &mut Report) {
     if dropped > 0 {
-        report.warnings.push(format!(
-            "{}: {dropped} of {points} points have a coordinate that is NaN or infinite; they are left out",
-            path.display()
-        ));
+        report.warnings.push(not_finite(path, dropped, points, "left out"));
     }
 }
 
@@ -118,9 +116,10 @@ pub(crate) fn warn_dropped(path: &Path, dropped: usize, points: usize, report: &
 pub(crate) fn warn_undetermined(path: &Path, points: usize, [u, v]: [usize; 2], report: &mut Report) {
     if points < u * v {
         report.warnings.push(format!(
-            "{}: {points} points for {u} x {v} control points: the smoothing decides what the points leave open; take fewer \
+            "{}: {} for {u} x {v} control points: the smoothing decides what the points leave open; take fewer \
              (--control-points)",
-            path.display()
+            path.display(),
+            counted(points, "point")
         ));
     }
 }
@@ -134,8 +133,8 @@ pub(crate) fn put_model(
 ) -> Result<(), Error> {
     let model = shape.into();
     let written = Timings::measure(&mut report.timings.write, || {
-        io::write_model(path, &model, &WriteOptions::default())
+        files::write_content(path, &Content::Nurbs(model), &WriteOptions::default())
     })?;
-    report.outputs.push(Output { path: path.to_path_buf(), bytes: written.bytes, content });
+    report.add_output(Output { path: path.to_path_buf(), bytes: written.bytes, content });
     Ok(())
 }

@@ -1,13 +1,15 @@
 //! The fit of a ruled surface: read, move, fit, write.
 
 use crate::error::Error;
+use crate::fit_numbers::{FitNumbers, FitVerdict, Within, told};
 use crate::fitting_input::{Scan, check_paths, put_model, start_surface, warn_dropped, warn_undetermined};
 use crate::progress::Progress;
 use crate::report::{Report, Results, Timings};
+use crate::wording::counted;
 use industrial_geometry::fit::ruled::{
-    RuledCloudOptions, RuledReport, fit_ruled_cloud_with_progress, offset_points,
+    Developability, RuledCloudOptions, fit_ruled_cloud_with_progress, offset_points,
 };
-use industrial_geometry::fit::{BaseShape, Error as FitError, Folds, Status, StepRecord};
+use industrial_geometry::fit::{BaseShape, Error as FitError, Folds, StepRecord};
 use industrial_geometry::nurbs::nalgebra::Vector3;
 use serde::Serialize;
 use std::path::Path;
@@ -32,27 +34,25 @@ pub(crate) struct Job<'a> {
 /// What a fit of a ruled surface found.
 #[derive(Debug, Serialize)]
 pub(crate) struct RuledResults {
-    /// What the library reports.
+    /// The fit.
     #[serde(flatten)]
-    pub(crate) fitted: RuledReport,
+    pub(crate) fit: FitNumbers,
     /// What the first parameters were taken from.
     pub(crate) base: Option<BaseShape>,
-    /// Share of the points within the tolerance.
-    pub(crate) share_within: Option<f64>,
-    /// Whether the tolerance holds.
-    pub(crate) within_tolerance: bool,
+    /// Control points along a section that are not repetitions, and sections.
+    pub(crate) control_points: [usize; 2],
     /// Surfaces that were fitted.
     pub(crate) runs: usize,
+    /// How far the surface is from being developable.
+    pub(crate) developability: Developability,
     /// Cells in which the surface folds.
     pub(crate) folds: Folds,
-    /// Points that are not finite.
-    pub(crate) dropped: usize,
     /// Points of the offset that a cutter cannot reach.
     pub(crate) gouging: usize,
 }
 
 /// Does the job and fills in the report; returns whether the surface is what was asked for.
-pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
+pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Error> {
     let inputs: Vec<&Path> = std::iter::once(job.points).chain(job.init).collect();
     check_paths(&inputs, job.out.as_slice())?;
     let scan = Scan::read(job.points, true, report)?;
@@ -62,8 +62,9 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
         Some(distance) => offset(job, &scan, distance, report)?,
         None => (scan.points, 0),
     };
-    let progress = Progress::new("fitting", job.quiet);
-    let tell = |_: &StepRecord| progress.tick();
+    let progress = Progress::iterations("fitting", job.quiet);
+    let most = job.options.ruled.fit.max_iterations;
+    let tell = |step: &StepRecord| told(&progress, step, most);
     let found = Timings::measure(&mut report.timings.compute, || {
         fit_ruled_cloud_with_progress(&points, start, &job.options, &tell)
     });
@@ -73,31 +74,36 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
     let folds = Folds::of(&found.fit.surface);
     if folds.count() > 0 {
         report.warnings.push(format!(
-            "the surface folds back on itself, or has an edge sharper than a right angle, in {} of {} cells",
+            "the surface folds back on itself, or has an edge sharper than a right angle, in {} of {}",
             folds.count(),
-            folds.cells
+            counted(folds.cells, "cell")
         ));
     }
     let fitted = found.fit.report;
     warn_undetermined(job.points, points.len() - found.dropped, fitted.controls, report);
-    let failed = matches!(fitted.fit.status, Status::Diverged | Status::Singular);
-    let good = found.within_tolerance && !failed;
     if let Some(path) = job.out {
         let [along, sections] = fitted.controls;
         let content = format!("ruled B-spline surface, {sections} sections of {along} control points");
         put_model(path, found.fit.surface, content, report)?;
     }
+    let within = Within {
+        tolerance: job.options.abs_tolerance,
+        share: found.share_within,
+        holds: found.within_tolerance,
+    };
+    let fit = FitNumbers::new(fitted.fit, found.dropped, 0, within);
+    report.count_points("points", fit.points_dropped, fit.points_used);
+    let verdict = fit.verdict();
     report.results = Some(Results::Ruled(Box::new(RuledResults {
-        fitted,
+        fit,
         base: found.base,
-        share_within: found.share_within,
-        within_tolerance: found.within_tolerance,
+        control_points: fitted.controls,
         runs: found.runs,
+        developability: fitted.developability,
         folds,
-        dropped: found.dropped,
         gouging,
     })));
-    Ok(good)
+    Ok(verdict)
 }
 
 /// The points of the offset, and how many are left out because they lie too deep.
@@ -121,7 +127,7 @@ fn offset(
         if count > 0 {
             let of = points.len();
             let name = job.points.display();
-            report.warnings.push(format!("{name}: {count} of {of} points {what}; they do not count"));
+            report.warnings.push(format!("{name}: {count} of {} {what}: not used", counted(of, "point")));
         }
     }
     Ok((moved.points, moved.gouging))
@@ -133,9 +139,10 @@ fn refused(job: &Job<'_>, error: &FitError) -> Error {
         FitError::Rational | FitError::NotRuled { .. } => {
             Error::content(job.init.unwrap_or(job.points), error.to_string(), "give another start")
         }
-        FitError::Option { .. } | FitError::Shape(_) => {
-            Error::usage(error.to_string(), "see `indgeo fit-ruled --help`")
+        FitError::Option { name, value, allowed } => {
+            Error::option(name, *value, allowed, "see `indgeo fit-ruled --help`")
         }
+        FitError::Shape(_) => Error::usage(error.to_string(), "see `indgeo fit-ruled --help`"),
         _ => Error::content(job.points, error.to_string(), "check it with `indgeo info`"),
     }
 }

@@ -2,12 +2,14 @@
 
 use crate::error::Error;
 use crate::files;
+use crate::fit_numbers::{FitNumbers, FitVerdict, Within, told};
 use crate::fitting_input::{Scan, check_paths, warn_dropped};
 use crate::progress::Progress;
 use crate::report::{Input, Output, Report, Results, Timings};
+use crate::wording::counted;
 use industrial_geometry::fit::subdivision::{coarsened, fit_subdivision_with_progress};
-use industrial_geometry::fit::{Error as FitError, FitOptions, FitReport, Status, StepRecord, Target};
-use industrial_geometry::io::{self, Content, ReadOptions, WriteOptions};
+use industrial_geometry::fit::{Error as FitError, FitOptions, StepRecord, Target};
+use industrial_geometry::io::{Content, Format, ReadOptions, WriteOptions};
 use industrial_geometry::mesh::{Error as MeshError, HalfEdgeMesh, LoopScheme, TriangleMesh};
 use industrial_geometry::nurbs::nalgebra::Vector3;
 use serde::Serialize;
@@ -26,6 +28,8 @@ pub(crate) struct Job<'a> {
     pub(crate) init: Option<&'a Path>,
     /// File of the control mesh.
     pub(crate) out: Option<&'a Path>,
+    /// Format of both, if not that of the extension.
+    pub(crate) format: Option<Format>,
     /// File of the limit surface, and how often it is subdivided.
     pub(crate) limit: Option<(&'a Path, u8)>,
     /// Vertices of the control mesh.
@@ -41,8 +45,9 @@ pub(crate) struct Job<'a> {
 /// What a fit of a subdivision surface found.
 #[derive(Debug, Serialize)]
 pub(crate) struct SubdivisionResults {
-    /// What the library reports.
-    pub(crate) fit: FitReport,
+    /// The fit.
+    #[serde(flatten)]
+    pub(crate) fit: FitNumbers,
     /// Vertices of the control mesh.
     pub(crate) vertices: usize,
     /// Triangles of the control mesh.
@@ -51,16 +56,10 @@ pub(crate) struct SubdivisionResults {
     pub(crate) irregular: usize,
     /// `coarsened` or `given`.
     pub(crate) start: &'static str,
-    /// Share of the points within the tolerance.
-    pub(crate) share_within: Option<f64>,
-    /// Whether all of them are; true without a tolerance.
-    pub(crate) within_tolerance: bool,
-    /// Points that are not finite.
-    pub(crate) dropped: usize,
 }
 
 /// Does the job and fills in the report; returns whether the surface is what was asked for.
-pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
+pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Error> {
     let inputs: Vec<&Path> = std::iter::once(job.points).chain(job.init).collect();
     let outputs: Vec<&Path> = job.out.into_iter().chain(job.limit.map(|(path, _)| path)).collect();
     check_paths(&inputs, &outputs)?;
@@ -71,8 +70,9 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
     warn_dropped(job.points, dropped, scan.points.len(), report);
     let given = job.init.map(|path| control(path, report)).transpose()?;
     let start = if given.is_some() { "given" } else { "coarsened" };
-    let progress = Progress::new("fitting", job.quiet);
-    let tell = |_: &StepRecord| progress.tick();
+    let progress = Progress::iterations("fitting", job.quiet);
+    let most = job.options.max_iterations;
+    let tell = |step: &StepRecord| told(&progress, step, most);
     let found = Timings::measure(&mut report.timings.compute, || {
         let control = match (given, scan.mesh) {
             (Some(control), _) => control,
@@ -90,35 +90,40 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
     let found = found?;
     let within = |t: f64| found.frames.iter().filter(|f| f.distance.abs() <= t).count();
     let share_within = job.tolerance.map(|t| within(t) as f64 / found.frames.len().max(1) as f64);
-    let within_tolerance = share_within.is_none_or(|share| share >= 1.0);
-    let failed = matches!(found.report.status, Status::Diverged | Status::Singular);
+    let within = Within {
+        tolerance: job.tolerance,
+        share: share_within,
+        holds: share_within.is_none_or(|share| share >= 1.0),
+    };
     let connectivity = HalfEdgeMesh::new(&found.mesh);
     let irregular = |v: &u32| !connectivity.is_boundary(*v) && connectivity.valence(*v) != 6;
     let vertices = found.mesh.vertices().len();
     if let Some(path) = job.out {
-        put_mesh(path, &found.mesh, format!("control mesh of {vertices} vertices"), report)?;
+        let content = format!("control mesh of {}", counted(vertices, "vertex"));
+        put_mesh(path, found.mesh.clone(), job.format, content, report)?;
     }
     if let Some((path, levels)) = job.limit {
         let limit = limit(&found.mesh, levels).map_err(|source| broken(job.points, source))?;
-        put_mesh(path, &limit, format!("limit surface after {levels} subdivisions"), report)?;
+        let content = format!("limit surface after {}", counted(levels, "subdivision"));
+        put_mesh(path, limit, job.format, content, report)?;
     }
+    let fit = FitNumbers::new(found.report, dropped, 0, within);
+    report.count_points("points", fit.points_dropped, fit.points_used);
+    let verdict = fit.verdict();
     report.results = Some(Results::Subdivision(Box::new(SubdivisionResults {
         triangles: found.mesh.triangles().len(),
         irregular: (0u32..).take(vertices).filter(irregular).count(),
         vertices,
         start,
-        share_within,
-        within_tolerance,
-        dropped,
-        fit: found.report,
+        fit,
     })));
-    Ok(within_tolerance && !failed)
+    Ok(verdict)
 }
 
 /// The control mesh of a file.
 fn control(path: &Path, report: &mut Report) -> Result<TriangleMesh, Error> {
     let loaded = Timings::measure(&mut report.timings.read, || files::read(path, &ReadOptions::default()))?;
-    report.inputs.push(Input::new("init", path, &loaded.report));
+    report.add_input(Input::new("init", path, &loaded.report));
     match loaded.content {
         Content::Mesh(mesh) => Ok(mesh),
         _ => {
@@ -163,11 +168,19 @@ fn limit(control: &TriangleMesh, levels: u8) -> Result<TriangleMesh, MeshError> 
     TriangleMesh::new(corners, mesh.triangles().to_vec())
 }
 
-fn put_mesh(path: &Path, mesh: &TriangleMesh, content: String, report: &mut Report) -> Result<(), Error> {
-    let written =
-        Timings::measure(&mut report.timings.write, || io::write_mesh(path, mesh, &WriteOptions::default()))?;
+fn put_mesh(
+    path: &Path,
+    mesh: TriangleMesh,
+    format: Option<Format>,
+    content: String,
+    report: &mut Report,
+) -> Result<(), Error> {
+    let options = WriteOptions { format, ..WriteOptions::default() };
+    let written = Timings::measure(&mut report.timings.write, || {
+        files::write_content(path, &Content::Mesh(mesh), &options)
+    })?;
     report.warnings.extend(written.warnings.iter().map(|w| format!("{}: {w}", path.display())));
-    report.outputs.push(Output { path: path.to_path_buf(), bytes: written.bytes, content });
+    report.add_output(Output { path: path.to_path_buf(), bytes: written.bytes, content });
     Ok(())
 }
 
@@ -178,7 +191,9 @@ fn broken(path: &Path, source: MeshError) -> Error {
 /// The error of the library, with the file that it is about.
 fn refused(job: &Job<'_>, error: &FitError) -> Error {
     match error {
-        FitError::Option { .. } => Error::usage(error.to_string(), "see `indgeo fit-subdivision --help`"),
+        FitError::Option { name, value, allowed } => {
+            Error::option(name, *value, allowed, "see `indgeo fit-subdivision --help`")
+        }
         FitError::Field { .. } => Error::content(
             job.init.unwrap_or(job.points),
             error.to_string(),

@@ -2,13 +2,14 @@
 
 use crate::between_vertices::between_vertices;
 use crate::error::Error;
+use crate::fit_numbers::{FitNumbers, FitVerdict, Within, told};
 use crate::fitting_input::{Scan, check_paths, put_model, start_surface, warn_dropped, warn_undetermined};
 use crate::progress::Progress;
 use crate::report::{Report, Results, Timings};
 use crate::surface_start::{Refusal, Start, from_cloud};
+use crate::wording::counted;
 use industrial_geometry::fit::{
-    Error as FitError, Status, StepRecord, SurfaceOptions, SurfaceReport, fit_surface_with_progress,
-    with_controls,
+    BaseShape, Error as FitError, Folds, StepRecord, SurfaceOptions, fit_surface_with_progress, with_controls,
 };
 use serde::Serialize;
 use std::path::Path;
@@ -33,25 +34,32 @@ pub(crate) struct Job<'a> {
 /// What a fit of a surface found.
 #[derive(Debug, Serialize)]
 pub(crate) struct SurfaceResults {
-    /// What the library reports.
+    /// The fit.
     #[serde(flatten)]
-    pub(crate) fitted: SurfaceReport,
+    pub(crate) fit: FitNumbers,
+    /// What gave the first parameters.
+    pub(crate) base: Option<BaseShape>,
     /// Where it began, if no surface was given.
     pub(crate) start: Option<Start>,
-    /// Points on the triangles of a thinned mesh that were taken besides its vertices.
-    pub(crate) added: usize,
+    /// Control points in u and v that are not repetitions.
+    pub(crate) control_points: [usize; 2],
+    /// Surfaces that were fitted: one to begin with, and one for each change of the knots.
+    pub(crate) runs: usize,
+    /// Cells in which the surface folds back on itself.
+    pub(crate) folds: Folds,
 }
 
 /// Does the job and fills in the report; returns whether the surface is what was asked for.
-pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
+pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Error> {
     let inputs: Vec<&Path> = std::iter::once(job.points).chain(job.init).collect();
     check_paths(&inputs, job.out.as_slice())?;
     let Scan { mut points, mesh, .. } = Scan::read(job.points, false, report)?;
     let samples = mesh.map_or_else(Vec::new, |mesh| between_vertices(&mesh, job.points, report));
     points.extend(&samples);
     let start = job.init.map(|path| start_surface(path, report)).transpose()?;
-    let progress = Progress::new("fitting", job.quiet);
-    let tell = |_: &StepRecord| progress.tick();
+    let progress = Progress::iterations("fitting", job.quiet);
+    let most = job.options.fit.max_iterations;
+    let tell = |step: &StepRecord| told(&progress, step, most);
     let mut from = None;
     let found = Timings::measure(&mut report.timings.compute, || match start {
         Some(start) => {
@@ -88,16 +96,15 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
     }
     if fitted.folds.count() > 0 {
         report.warnings.push(format!(
-            "the surface folds back on itself in {} of {} cells; take fewer control points or a larger --smoothing",
+            "the surface folds back on itself in {} of {}; take fewer control points or a larger --smoothing",
             fitted.folds.count(),
-            fitted.folds.cells
+            counted(fitted.folds.cells, "cell")
         ));
     }
     if let Some(path) = job.out {
         let content = format!("B-spline surface, {} × {}", fitted.controls[0], fitted.controls[1]);
         put_model(path, surface, content, report)?;
     }
-    let failed = matches!(fitted.fit.status, Status::Diverged | Status::Singular);
     let far = job.options.abs_tolerance.is_none() && from.as_ref().is_some_and(|s| s.is_far(fitted.fit.rms));
     if far {
         report.warnings.push(format!(
@@ -107,10 +114,24 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
         ));
     }
     let doubtful = from.as_ref().is_some_and(|start| start.doubtful);
-    let good = fitted.within_tolerance && !failed && !far && !doubtful && fitted.folds.count() == 0;
-    report.results =
-        Some(Results::Surface(Box::new(SurfaceResults { fitted, start: from, added: samples.len() })));
-    Ok(good)
+    let faults = far || doubtful || fitted.folds.count() > 0;
+    let within = Within {
+        tolerance: job.options.abs_tolerance,
+        share: fitted.share_within,
+        holds: fitted.within_tolerance,
+    };
+    let fit = FitNumbers::new(fitted.fit, fitted.dropped, samples.len(), within);
+    report.count_points("points", fit.points_dropped, fit.points_used.saturating_sub(samples.len()));
+    let verdict = fit.verdict().without(faults);
+    report.results = Some(Results::Surface(Box::new(SurfaceResults {
+        fit,
+        base: fitted.base,
+        start: from,
+        control_points: fitted.controls,
+        runs: fitted.runs,
+        folds: fitted.folds,
+    })));
+    Ok(verdict)
 }
 
 /// The error of the library, with the file that it is about.
@@ -119,9 +140,10 @@ fn refused(job: &Job<'_>, error: &FitError) -> Error {
         FitError::Rational => {
             Error::content(job.init.unwrap_or(job.points), error.to_string(), "give a start without weights")
         }
-        FitError::Option { .. } | FitError::Shape(_) => {
-            Error::usage(error.to_string(), "see `indgeo fit-surface --help`")
+        FitError::Option { name, value, allowed } => {
+            Error::option(name, *value, allowed, "see `indgeo fit-surface --help`")
         }
+        FitError::Shape(_) => Error::usage(error.to_string(), "see `indgeo fit-surface --help`"),
         _ => Error::content(job.points, error.to_string(), "check it with `indgeo info`"),
     }
 }

@@ -3,16 +3,18 @@
 use crate::error::Error;
 use crate::files;
 use crate::model::{Loaded, Model};
-use crate::output::{self, DeviationTable, Format, Measured, Rows};
+use crate::output::{self, DeviationTable, Format, Measured, NAME, Rows};
 use crate::points::Points;
 use crate::progress::Progress;
 use crate::report::{Input, ModelSummary, Options, Output, Report, Results, Timings};
 use crate::transform::Transform;
+use crate::wording::{counted, not_finite};
 use industrial_geometry::inspection::html::{self, Page};
 use industrial_geometry::inspection::{
-    self, Along, Deviation, Inspection, InspectionOptions, Nominal, Partial,
+    self, Along, Deviation, DeviationRecord, Inspection, InspectionOptions, Nominal, Outcome, Partial,
 };
-use industrial_geometry::io::AtomicFile;
+use serde::Serialize;
+use std::f64::consts::FRAC_PI_2;
 use std::io::BufWriter;
 use std::path::Path;
 
@@ -34,6 +36,8 @@ pub(crate) struct Job<'a> {
     pub(crate) page: Option<&'a Path>,
     /// File of the deviations per point.
     pub(crate) out: Option<&'a Path>,
+    /// Their format, if not that of the extension.
+    pub(crate) format: Option<Format>,
     /// Options of the library.
     pub(crate) options: InspectionOptions,
     /// The mode of the search, by its name on the command line.
@@ -48,7 +52,7 @@ pub(crate) struct Job<'a> {
 
 /// Does the job and fills in the report.
 pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Inspection, Error> {
-    let format = job.out.map(Format::of).transpose()?;
+    let format = job.out.map(|out| Format::of(out, job.format)).transpose()?;
     if let Some(page) = job.page {
         check_extension(page)?;
     }
@@ -58,20 +62,18 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Inspection, Erro
     }
     let mut timings = Timings::default();
     let loaded = Timings::measure(&mut timings.read, || Loaded::read(job.model))?;
-    report.inputs.push(Input::new("model", job.model, &loaded.report));
+    report.add_input(Input::new("model", job.model, &loaded.report));
     let transform = job.transform.map(Transform::read).transpose()?;
     let mut points = Timings::measure(&mut timings.read, || Points::read(job.points, job.drop_non_finite))?;
-    report.inputs.push(Input::new("points", job.points, &points.report));
+    report.add_input(Input::new("points", job.points, &points.report));
     let measured = measured(&loaded.model);
     if measured == Measured::Profile {
-        points.in_plane(job.points)?;
+        points.check_plane(job.points)?;
     } else {
-        points.in_space(job.points)?;
+        points.check_space(job.points)?;
     }
-    if job.options.along == Along::Normal && points.normals.is_none() {
-        let advice = "use --along shortest, or a file with normals (nx, ny, nz)";
-        return Err(Error::content(job.points, "the points have no normals", advice));
-    }
+    let mut options = job.options;
+    check_normals(job, &mut points)?;
     report.timings = timings;
     warn(report, job, &loaded, &points);
     if let Some(transform) = &transform {
@@ -89,6 +91,9 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Inspection, Erro
     }
 
     let nominal = Timings::measure(&mut timings.build, || build(loaded, job, report))?;
+    if options.along == Along::Normal && options.max_angle.is_none() && nominal.is_signed() {
+        options = options.with_max_angle(FRAC_PI_2);
+    }
     report.model = Some(ModelSummary {
         kind: if measured == Measured::Mesh { "mesh" } else { "nurbs" },
         dimension: if measured == Measured::Profile { 2 } else { 3 },
@@ -103,33 +108,144 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Inspection, Erro
         transform: transform.map(|transform| transform.rows()),
     });
     let progress = Progress::new("measuring", job.quiet);
+    // Deviations are kept only for files, and without what can be computed again: clouds are large.
+    let kept = if job.out.is_some() || job.page.is_some() { points.positions.len() } else { 0 };
     let found = Timings::measure(&mut timings.compute, || -> Result<_, inspection::Error> {
         let tell = |done: usize, total: usize| progress.report(done, total);
-        let deviations =
-            nominal.measure(&points.positions, points.normals.as_deref(), &job.options, &tell)?;
-        let mut partial = Partial::new(&job.options)?;
-        partial.extend(0, &points.positions, &deviations);
-        Ok((partial.finish(&job.options, nominal.shapes())?, deviations))
+        let mut records = Vec::new();
+        let mut partial = Partial::new(&options)?;
+        let mut receive = |measured: &[(usize, Deviation)]| {
+            partial.extend_with(0, &points.positions, measured);
+            // Not before what sorts the points has given back its memory.
+            records.resize(kept, DeviationRecord::none(Outcome::Cancelled));
+            for (index, deviation) in measured {
+                if let Some(record) = records.get_mut(*index) {
+                    *record = deviation.into();
+                }
+            }
+        };
+        nominal.measure_each(&points.positions, points.normals.as_deref(), &options, &tell, &mut receive)?;
+        Ok((partial.finish(&options, nominal.shapes())?, records))
     });
-    let (found, deviations) = found.map_err(|error| usage(&error))?;
+    let (mut found, records) = found.map_err(|error| usage(&error))?;
+    for worst in &mut found.worst {
+        worst.name =
+            usize::try_from(worst.index).ok().and_then(|index| points.name(index)).map(str::to_owned);
+    }
     drop(progress);
+    warn_of_unproven(report, job, &found);
     report.points_per_second =
         (timings.compute > 0.0).then(|| points.positions.len() as f64 / timings.compute);
     report.timings = timings;
-    write(job, format, &points, &deviations, &found, &nominal, measured, report)?;
-    report.results = Some(Results::Inspection(Box::new(found.clone())));
+    write(job, format, &points, &records, &found, &nominal, measured, report)?;
+    let results = InspectionResults::new(found.clone(), points.report.non_finite);
+    report.count_points("points", results.points_dropped, results.points_used);
+    report.results = Some(Results::Inspection(Box::new(results)));
     Ok(found)
+}
+
+/// Makes sure that there are normals where they are needed, and drops them where they are not.
+fn check_normals(job: &Job<'_>, points: &mut Points) -> Result<(), Error> {
+    let angle = job.options.max_angle;
+    if job.options.along != Along::Normal && angle.is_none() {
+        points.normals = None;
+    } else if points.normals.is_none() {
+        let advice = match (job.options.along, angle) {
+            (Along::Normal, _) => "use --along shortest, or a file with normals (nx, ny, nz)",
+            _ => "leave out --max-angle, or give a file with normals (nx, ny, nz)",
+        };
+        return Err(Error::content(job.points, "the points have no normals", advice));
+    }
+    Ok(())
+}
+
+/// Says what a verdict rests on where that is less than a measured deviation per point.
+fn warn_of_unproven(report: &mut Report, job: &Job<'_>, found: &Inspection) {
+    let count = |outcome: Outcome| found.outcomes.get(outcome.name()).copied().unwrap_or(0);
+    let (points, path) = (found.points, job.points.display());
+    let mut warn = |count: u64, text: &str| {
+        if count > 0 {
+            report.warnings.push(format!("{path}: {count} of {points} points {text}"));
+        }
+    };
+    warn(
+        count(Outcome::NoNormal),
+        "have a normal that is zero or not finite (no_normal); they are counted, not judged",
+    );
+    warn(
+        count(Outcome::NoMatchingFoot),
+        "have no foot on the model with a normal that agrees (no_matching_foot); they count as out of tolerance",
+    );
+    warn(
+        count(Outcome::Undecided),
+        "are undecided: what is proven about their deviations reaches across a limit; they count as not within",
+    );
+    warn(count(Outcome::NotConverged), "have no footpoint (not_converged); they count as out of tolerance");
+    let turned = found.restricted + count(Outcome::NoMatchingFoot);
+    if 2 * turned > found.verdict.judged {
+        warn(
+            turned,
+            "have normals that point away from that of the nearest place of the model; turn them if they point inwards, or \
+             give --max-angle 180 if their sides mean nothing",
+        );
+    }
+}
+
+/// What an inspection found, with the names that all commands share.
+#[derive(Debug, Serialize)]
+pub(crate) struct InspectionResults {
+    /// Points that do not count because they are not finite.
+    pub(crate) points_dropped: usize,
+    /// Points that were measured.
+    pub(crate) points_used: usize,
+    /// Root mean square deviation.
+    pub(crate) rms: Option<f64>,
+    /// Largest deviation, without its sign.
+    pub(crate) max: Option<f64>,
+    /// The point that has it, from 0; `null` if no worst points were asked for.
+    pub(crate) max_index: Option<u64>,
+    /// Share of the judged points within the tolerance.
+    pub(crate) share_within: f64,
+    /// Whether that is enough.
+    pub(crate) within_tolerance: bool,
+    /// What the library reports.
+    #[serde(flatten)]
+    pub(crate) found: Inspection,
+}
+
+impl InspectionResults {
+    fn new(found: Inspection, dropped: usize) -> Self {
+        let distance = found.total.distance.as_ref();
+        Self {
+            points_dropped: dropped,
+            points_used: usize::try_from(found.total.count).unwrap_or(usize::MAX),
+            rms: distance.map(|distance| distance.rms),
+            max: distance.map(|distance| distance.max.max(-distance.min)),
+            max_index: found.worst.first().map(|worst| worst.index),
+            share_within: found.verdict.share,
+            within_tolerance: found.verdict.pass,
+            found,
+        }
+    }
 }
 
 fn check_extension(page: &Path) -> Result<(), Error> {
     match files::extension(page).as_str() {
         "html" | "htm" => Ok(()),
+        _ if files::is_stream(page) => Ok(()),
         _ => Err(Error::content(page, "the report is a page", "choose a name that ends in .html")),
     }
 }
 
-fn usage(error: &inspection::Error) -> Error {
-    Error::usage(error.to_string(), "see `indgeo inspect --help`")
+/// The error of the library, with the option as it is typed.
+pub(crate) fn usage(error: &inspection::Error) -> Error {
+    let help = "see `indgeo inspect --help`";
+    match error {
+        inspection::Error::Option { option, value, what } => {
+            Error::usage(format!("--{} is {value}: {what}", option.replace('_', "-")), help)
+        }
+        _ => Error::usage(error.to_string(), help),
+    }
 }
 
 /// What the deviations from a model are measured from: its surfaces if it has some, otherwise its curves.
@@ -159,9 +275,9 @@ fn build(loaded: Loaded, job: &Job<'_>, report: &mut Report) -> Result<Nominal, 
         Model::Space { surfaces, curves } => {
             if !curves.shapes.is_empty() {
                 report.warnings.push(format!(
-                    "{}: {} curves are left out, deviations are measured from surfaces; surfaces are numbered without them",
+                    "{}: {} left out, deviations are measured from surfaces; surfaces are numbered without curves",
                     job.model.display(),
-                    curves.shapes.len()
+                    counted(curves.shapes.len(), "curve")
                 ));
             }
             let names = names(&surfaces.indices);
@@ -187,12 +303,7 @@ fn warn(report: &mut Report, job: &Job<'_>, loaded: &Loaded, points: &Points) {
     }
     let read = &points.report;
     if read.non_finite > 0 {
-        report.warnings.push(format!(
-            "{}: {} of {} points have a coordinate that is NaN or infinite; they are counted, not used",
-            job.points.display(),
-            read.non_finite,
-            read.points
-        ));
+        report.warnings.push(not_finite(job.points, read.non_finite, read.points, "counted, not used"));
     }
 }
 
@@ -201,7 +312,7 @@ fn write(
     job: &Job<'_>,
     format: Option<Format>,
     points: &Points,
-    deviations: &[Deviation],
+    records: &[DeviationRecord],
     found: &Inspection,
     nominal: &Nominal,
     measured: Measured,
@@ -214,14 +325,19 @@ fn write(
         if let (Some(path), Some(format)) = (job.out, format) {
             let table = DeviationTable {
                 points: &points.positions,
-                deviations,
+                normals: points.normals.as_deref(),
+                point_names: points.names.as_ref(),
+                records,
                 triangles: &points.triangles,
-                tolerance: job.options.tolerance,
+                nominal,
+                options: &found.options,
                 model: measured,
                 coloured: format == Format::Ply,
             };
             let bytes = output::write(path, format, &table)?;
-            let content = format!("{} rows: {}", deviations.len(), table.names().join(","));
+            let columns: Vec<&str> =
+                table.names().into_iter().chain(points.names.as_ref().map(|_| NAME)).collect();
+            let content = format!("{}: {}", counted(records.len(), "row"), columns.join(","));
             outputs.push(Output { path: path.to_path_buf(), bytes, content });
         }
         if let Some(path) = job.page {
@@ -235,20 +351,18 @@ fn write(
                 program: concat!("indgeo ", env!("CARGO_PKG_VERSION")),
                 inspection: found,
                 points: &points.positions,
-                deviations,
+                records,
                 backdrop: &nominal.backdrop(),
                 alignment,
                 most_points: MOST_POINTS,
             };
-            let mut file = BufWriter::new(AtomicFile::create(path)?);
-            html::write(&mut file, &page).map_err(|source| Error::write(path, source))?;
-            let file = file.into_inner().map_err(|error| Error::write(path, error.into_error()))?;
+            let bytes = files::write(path, |out| html::write(&mut BufWriter::new(out), &page))?;
             let content = "page: map of the deviations, histogram, tables".to_owned();
-            outputs.push(Output { path: path.to_path_buf(), bytes: file.commit()?, content });
+            outputs.push(Output { path: path.to_path_buf(), bytes, content });
         }
         Ok(())
     })?;
     report.timings.write = seconds;
-    report.outputs.append(&mut outputs);
+    outputs.into_iter().for_each(|output| report.add_output(output));
     Ok(())
 }

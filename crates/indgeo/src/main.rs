@@ -8,16 +8,19 @@ mod demo;
 mod error;
 mod evolution;
 mod files;
+mod fit_numbers;
 mod fitting_curve;
 mod fitting_input;
 mod fitting_ruled;
 mod fitting_subdivision;
 mod fitting_surface;
 mod inspecting;
+mod interrupt;
 mod model;
 mod moving;
 mod output;
 mod parameterizing;
+mod paths;
 mod points;
 mod poses;
 mod progress;
@@ -37,10 +40,10 @@ mod target;
 mod threads;
 mod transform;
 mod views_report;
+mod wording;
 
-use clap::Parser;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    session::run(&args::Cli::parse())
+    session::run(&args::Cli::of_command_line())
 }

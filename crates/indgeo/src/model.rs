@@ -2,6 +2,7 @@
 
 use crate::error::Error;
 use crate::files;
+use crate::wording::counted;
 use industrial_geometry::io::{Content, ReadOptions, ReadReport, Shape};
 use industrial_geometry::mesh::TriangleMesh;
 use industrial_geometry::nurbs::{BsplineCurve, BsplineSurface};
@@ -60,8 +61,8 @@ impl Loaded {
             }
             Content::Cloud(_) => {
                 let what = format!(
-                    "a model is needed (NURBS as JSON, or a mesh), but this file holds {} points without triangles",
-                    report.points
+                    "a model is needed (NURBS as JSON, or a mesh), but this file holds {} without triangles",
+                    counted(report.points, "point")
                 );
                 Err(Error::content(path, what, "the order is MODEL POINTS"))
             }
@@ -103,7 +104,7 @@ fn sort(shapes: Vec<Shape>, path: &Path) -> Result<Model, Error> {
         (_, 0) => Ok(Model::Plane(plane)),
         (0, _) => Ok(Model::Space { surfaces, curves }),
         (in_plane, _) => {
-            let what = format!("{in_plane} shapes lie in the plane, {in_space} in space");
+            let what = format!("shapes in the plane: {in_plane}, in space: {in_space}");
             Err(Error::content(path, what, "put them into models of their own"))
         }
     }

@@ -3,17 +3,21 @@
 use crate::between_vertices::between_vertices;
 use crate::error::Error;
 use crate::files;
+use crate::fit_numbers::FitVerdict;
+use crate::fit_numbers::told;
 use crate::output::{self, Format, ParameterTable};
 use crate::points::Points;
 use crate::progress::Progress;
 use crate::report::{Input, Output, Report, Results, Timings};
+use crate::wording::{counted, not_finite};
 use industrial_geometry::cloud_param::{
     self, FinishOutcome, FinishReport, FitOptions, Parameterisation, ParameteriseOptions, ParameteriseReport,
     Stage, SurfaceDefects, SurfaceFit, finish_fit_with_progress, finish_options, fit_parameters,
     parameterise_with_progress,
 };
-use industrial_geometry::fit::StepRecord;
-use industrial_geometry::io::{self, Model, WriteOptions};
+use industrial_geometry::fit::{Status, StepRecord};
+use industrial_geometry::inspection::{Rounding, percent_of_share};
+use industrial_geometry::io::{Content, Model, WriteOptions};
 use industrial_geometry::mesh::TriangleMesh;
 use industrial_geometry::nurbs::BsplineSurface;
 use industrial_geometry::nurbs::nalgebra::Vector3;
@@ -29,6 +33,8 @@ pub(crate) struct Job<'a> {
     pub(crate) base: Option<&'a Path>,
     /// File of the parameters.
     pub(crate) params: Option<&'a Path>,
+    /// Its format, if not that of the extension.
+    pub(crate) format: Option<Format>,
     /// File of the fitted surface.
     pub(crate) fitted: Option<&'a Path>,
     /// Options of the library.
@@ -48,7 +54,7 @@ pub(crate) struct ParameterResults {
     #[serde(flatten)]
     pub(crate) found: ParameteriseReport,
     /// Points on the triangles of a thinned mesh that were taken besides its vertices, the last of all points.
-    pub(crate) added: usize,
+    pub(crate) points_added: usize,
     /// The fitted surface, if one was asked for.
     pub(crate) fit: Option<FitResults>,
 }
@@ -65,7 +71,7 @@ pub(crate) struct FitResults {
     /// Largest orthogonal distance at the end.
     pub(crate) max: f64,
     /// Points that count.
-    pub(crate) used: usize,
+    pub(crate) points_used: usize,
     /// What is wrong with the surface.
     pub(crate) defects: SurfaceDefects,
     /// The least squares surface before the finish.
@@ -91,13 +97,13 @@ impl LeastSquares {
     }
 }
 
-/// Does the job and fills in the report; returns whether the base surface is as it should be.
-pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
+/// Does the job and fills in the report; returns whether the surfaces are as they should be.
+pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Error> {
     for path in [job.base, job.params, job.fitted].into_iter().flatten() {
         files::check_writable(path, &[job.points])?;
     }
     for path in [job.base, job.fitted].into_iter().flatten() {
-        if files::extension(path) != "json" {
+        if !files::is_stream(path) && files::extension(path) != "json" {
             return Err(Error::content(
                 path,
                 "surfaces are written as NURBS JSON",
@@ -105,10 +111,11 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
             ));
         }
     }
-    let format = job.params.map(|path| Format::of(path).map(|format| (path, format))).transpose()?;
+    let format =
+        job.params.map(|path| Format::of(path, job.format).map(|format| (path, format))).transpose()?;
     let mut timings = Timings::default();
     let points = Timings::measure(&mut timings.read, || Points::read(job.points, false))?;
-    report.inputs.push(Input::new("points", job.points, &points.report));
+    report.add_input(Input::new("points", job.points, &points.report));
     let warnings = points.report.warnings.iter().map(|w| format!("{}: {w}", job.points.display()));
     report.warnings.extend(warnings);
     let mut cloud = points.in_space(job.points)?;
@@ -118,7 +125,10 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
 
     let progress = Progress::steps("parameterising", job.quiet);
     let tell = |stage: Stage| progress.report(stage as usize, Stage::Parameters as usize + 1);
-    let failed = |error: cloud_param::Error| Error::content(job.points, error.to_string(), ADVICE);
+    let failed = |error: cloud_param::Error| match error {
+        cloud_param::Error::Option { name, value, allowed } => Error::option(name, value, allowed, HELP),
+        other => Error::content(job.points, other.to_string(), ADVICE),
+    };
     let found =
         Timings::measure(&mut timings.compute, || parameterise_with_progress(&cloud, &job.options, &tell))
             .map_err(failed)?;
@@ -141,16 +151,24 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
             // Not of points that were added.
             let count = points.positions.len();
             let (feet, counts) = (&found.feet[..count], &found.counts[..count]);
-            let bytes =
-                output::write(path, format, &ParameterTable { points: &points.positions, feet, counts })?;
+            let bytes = output::write(
+                path,
+                format,
+                &ParameterTable {
+                    points: &points.positions,
+                    point_names: points.names.as_ref(),
+                    feet,
+                    counts,
+                },
+            )?;
             let content = format!("{count} parameter pairs");
-            report.outputs.push(Output { path: path.to_path_buf(), bytes, content });
+            report.add_output(Output { path: path.to_path_buf(), bytes, content });
         }
         Ok(())
     })?;
     timings.write = seconds;
     report.timings = timings;
-    let converged = found.is_converged();
+    let follows = found.is_converged();
     let results = results(found, samples.len(), fitted, job.fit);
     if let Some(finish) = results.fit.as_ref().and_then(|fit| fit.finish.as_ref()) {
         kept(finish, report);
@@ -158,13 +176,18 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
     let folded = results.fit.as_ref().map_or(0, |fit| fit.defects.crossovers);
     if folded > 0 {
         report.warnings.push(format!(
-            "the fitted surface folds in {folded} cells; try other numbers of --control-points, or fewer --corrections"
+            "the fitted surface folds in {}; try other numbers of --control-points, or fewer --corrections",
+            counted(folded, "cell")
         ));
     }
+    let verdict = FitVerdict::Good.without(!follows || folded > 0);
+    let found = &results.found;
+    report.count_points("points", found.dropped, found.used.saturating_sub(samples.len()));
     report.results = Some(Results::Parameters(Box::new(results)));
-    Ok(converged && folded == 0)
+    Ok(verdict)
 }
 
+const HELP: &str = "see `indgeo parameterize --help`";
 const ADVICE: &str = "see `indgeo parameterize --help`, and check the file with `indgeo info`";
 
 /// A fitted surface, what it was before the finish, and how that went.
@@ -180,24 +203,35 @@ fn fit(
     if !job.finish {
         return Ok((fit, least_squares, None));
     }
-    let progress = Progress::new("finishing", job.quiet);
-    let tell = |_: &StepRecord| progress.tick();
-    let (fit, finish) =
-        finish_fit_with_progress(cloud, &found.counts, fit, &finish_options(cloud.len()), &tell)?;
+    let progress = Progress::iterations("finishing", job.quiet);
+    let options = finish_options(cloud.len());
+    let tell = |step: &StepRecord| told(&progress, step, options.fit.max_iterations);
+    let (fit, finish) = finish_fit_with_progress(cloud, &found.counts, fit, &options, &tell)?;
     Ok((fit, least_squares, Some(finish)))
+}
+
+/// Says when a finish would have come nearer with more iterations.
+fn unfinished(finish: &FinishReport, report: &mut Report) {
+    let fit = &finish.minimisation.fit;
+    if fit.status == Status::MaxIterations {
+        report.warnings.push(format!(
+            "the finish ended at its limit of {}, still coming nearer; `indgeo fit-surface --init FITTED.json` goes on",
+            counted(fit.history.len(), "iteration")
+        ));
+    }
 }
 
 /// Says when a finish was not taken.
 pub(crate) fn kept(finish: &FinishReport, report: &mut Report) {
     let why = match finish.outcome {
         FinishOutcome::KeptSinceFolded => {
-            format!("it would fold in {} cells", finish.defects[2].crossovers)
+            format!("it would fold in {}", counted(finish.defects[2].crossovers, "cell"))
         }
         FinishOutcome::KeptSinceNoNearer => {
             format!("the rms distance would be {:.6e} instead of {:.6e}", finish.rms[1], finish.rms[0])
         }
         FinishOutcome::Cancelled => "it was interrupted".to_owned(),
-        _ => return,
+        _ => return unfinished(finish, report),
     };
     report.warnings.push(format!(
         "the least squares surface was kept as it is, since the finish made it no better: {why}; more control points may help"
@@ -216,22 +250,18 @@ fn results(
         history: fit.history,
         rms: fit.rms,
         max: fit.max,
-        used: fit.used,
+        points_used: fit.used,
         least_squares,
         finish,
     });
-    ParameterResults { found: found.report, added, fit }
+    ParameterResults { found: found.report, points_added: added, fit }
 }
 
 fn surface(path: &Path, surface: &BsplineSurface, content: &str, report: &mut Report) -> Result<(), Error> {
     let mut model = Model::default();
     model.push(surface.clone(), Some(content.to_owned()));
-    let written = io::write_model(path, &model, &WriteOptions::default())?;
-    report.outputs.push(Output {
-        path: path.to_path_buf(),
-        bytes: written.bytes,
-        content: content.to_owned(),
-    });
+    let written = files::write_content(path, &Content::Nurbs(model), &WriteOptions::default())?;
+    report.add_output(Output { path: path.to_path_buf(), bytes: written.bytes, content: content.to_owned() });
     Ok(())
 }
 
@@ -239,20 +269,20 @@ fn warn(job: &Job<'_>, found: &ParameteriseReport, report: &mut Report) {
     let name = job.points.display();
     let mut say = |count: usize, what: &str| {
         if count > 0 {
-            report.warnings.push(format!("{name}: {count} of {} points {what}", found.points));
+            report.warnings.push(format!("{name}: {count} of {} {what}", counted(found.points, "point")));
         }
     };
-    say(found.dropped, "have a coordinate that is NaN or infinite; they get no parameters");
-    say(
-        found.strays,
-        "lie apart from the others; the base surface does not follow them, and they do not count",
-    );
-    say(found.beyond_ends, "lie beyond the ends of the base surface; they do not count for a fit");
+    say(found.strays, "apart from the others: not followed by the base surface, not used");
+    say(found.beyond_ends, "beyond the ends of the base surface: not used for a fit");
+    if found.dropped > 0 {
+        report.warnings.push(not_finite(job.points, found.dropped, found.points, "without parameters"));
+    }
     if !found.defects.is_none() {
         report.warnings.push(format!(
-            "{name}: the base surface has {} self-loops and {} crossovers; parameters are wrong there: try a coarser --grid, \
+            "{name}: the base surface has {} and {}; parameters are wrong there: try a coarser --grid, \
              another --axis or --shape",
-            found.defects.self_loops, found.defects.crossovers
+            counted(found.defects.self_loops, "self-loop"),
+            counted(found.defects.crossovers, "crossover")
         ));
     }
     if found.rms > found.spacing {
@@ -264,8 +294,8 @@ fn warn(job: &Job<'_>, found: &ParameteriseReport, report: &mut Report) {
     }
     if found.unsupported > 0.02 {
         report.warnings.push(format!(
-            "{name}: {:.0} % of the base surface lie over holes in the points",
-            100.0 * found.unsupported
+            "{name}: {} of the base surface lie over holes in the points",
+            percent_of_share(found.unsupported, Rounding::Up)
         ));
     }
 }

@@ -2,7 +2,9 @@
 
 use crate::error::Error;
 use crate::files;
+use crate::wording::counted;
 use industrial_geometry::io::{Content, ReadOptions, ReadReport};
+use industrial_geometry::mesh::TextField;
 use industrial_geometry::mesh::nalgebra::{Point3, Vector2, Vector3};
 use std::path::Path;
 
@@ -13,6 +15,8 @@ pub(crate) struct Points {
     pub(crate) positions: Vec<Point3<f64>>,
     /// Normals, if the file has them.
     pub(crate) normals: Option<Vec<Vector3<f64>>>,
+    /// Names, if the file has them.
+    pub(crate) names: Option<TextField>,
     /// Whether the file has two columns.
     pub(crate) is_planar: bool,
     /// Triangles over the points, if the file is a mesh.
@@ -38,17 +42,29 @@ impl Points {
             return Err(Error::content(path, "there are no points in this file", "export it again"));
         }
         if report.non_finite == report.points {
-            let what = format!("none of the {} points has finite coordinates", report.points);
+            let what = format!("no point has finite coordinates ({})", counted(report.points, "point"));
             return Err(Error::content(path, what, "export the file again"));
         }
         let is_planar = cloud.dimension() == 2;
-        let (positions, attributes) = cloud.into_parts();
-        let normals = attributes.normals().map(<[_]>::to_vec);
-        Ok(Self { positions, normals, is_planar, triangles, report })
+        let (positions, mut attributes) = cloud.into_parts();
+        let normals = attributes.take_normals();
+        let names = attributes.names().cloned();
+        Ok(Self { positions, normals, names, is_planar, triangles, report })
+    }
+
+    /// The name of the point at `index`, if it has one.
+    pub(crate) fn name(&self, index: usize) -> Option<&str> {
+        self.names.as_ref()?.get(index).filter(|name| !name.is_empty())
     }
 
     /// The points in the plane, for a model in the plane.
     pub(crate) fn in_plane(&self, path: &Path) -> Result<Vec<Vector2<f64>>, Error> {
+        self.check_plane(path)?;
+        Ok(self.positions.iter().map(|point| point.coords.xy()).collect())
+    }
+
+    /// Makes sure that the points fit a model in the plane.
+    pub(crate) fn check_plane(&self, path: &Path) -> Result<(), Error> {
         let off_plane = self.positions.iter().position(|point| point.z != 0.0);
         if let Some(index) = off_plane.filter(|_| !self.is_planar) {
             let what = format!(
@@ -57,15 +73,21 @@ impl Points {
             );
             return Err(Error::content(path, what, "give points of two columns, x and y, or with z = 0"));
         }
-        Ok(self.positions.iter().map(|point| point.coords.xy()).collect())
+        Ok(())
     }
 
     /// The points in space, for a model in space.
     pub(crate) fn in_space(&self, path: &Path) -> Result<Vec<Vector3<f64>>, Error> {
+        self.check_space(path)?;
+        Ok(self.positions.iter().map(|point| point.coords).collect())
+    }
+
+    /// Makes sure that the points fit a model in space.
+    pub(crate) fn check_space(&self, path: &Path) -> Result<(), Error> {
         if self.is_planar {
             let what = "the model lies in space, but the points have two columns only";
             return Err(Error::content(path, what, "give points of three columns, x, y and z"));
         }
-        Ok(self.positions.iter().map(|point| point.coords).collect())
+        Ok(())
     }
 }

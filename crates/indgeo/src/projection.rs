@@ -4,20 +4,25 @@ use crate::commands::project::SearchMode;
 use crate::error::Error;
 use crate::files;
 use crate::model::Loaded;
-use crate::output::{self, Format, Layout, Table};
+use crate::output::{self, Format, Layout, NAME, Table};
 use crate::points::Points;
 use crate::progress::Progress;
 use crate::report::{
     Input, ModelSummary, Options, Output, ProjectionResults, Report, Results, ShapeResults, Timings, Worst,
 };
 use crate::target::{Foot, Target};
+use crate::wording::{counted, not_finite};
 use industrial_geometry::footpoint::{Multiplicity, ProjectionOptions, Status};
 use industrial_geometry::inspection::Statistics;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Names of the statuses that leave nothing to be wished for; there is no answer for a point that is not finite.
-const GOOD: [&str; 3] = ["converged", "on_boundary", "invalid_point"];
+/// Names of the statuses that leave nothing to be wished for; there is no answer for a point that is not finite, or lacks
+/// the normal that is to agree.
+const GOOD: [&str; 4] = ["converged", "on_boundary", "invalid_point", "no_normal"];
+
+/// Name of the status of points with a foot whose proof is not complete.
+const UNPROVEN: &str = "uncertified";
 
 /// What is to be done.
 #[derive(Debug)]
@@ -28,8 +33,12 @@ pub(crate) struct Job<'a> {
     pub(crate) points: &'a Path,
     /// File of the result.
     pub(crate) out: &'a Path,
+    /// Its format, if not that of the extension.
+    pub(crate) format: Option<Format>,
     /// Options of the library.
     pub(crate) options: ProjectionOptions,
+    /// Largest angle, in radians, between the normals of points and feet.
+    pub(crate) max_angle: Option<f64>,
     /// The mode, by its name on the command line.
     pub(crate) mode: SearchMode,
     /// Whether points that are not finite are left out.
@@ -53,20 +62,29 @@ pub(crate) struct Projected {
 
 /// Does the job and fills in the report.
 pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Projected, Error> {
-    let format = Format::of(job.out)?;
+    let format = Format::of(job.out, job.format)?;
     files::check_inputs(&[job.model, job.points])?;
     files::check_writable(job.out, &[job.model, job.points])?;
 
     let mut timings = Timings::default();
     let loaded = Timings::measure(&mut timings.read, || Loaded::read(job.model))?;
-    report.inputs.push(Input::new("model", job.model, &loaded.report));
-    let points = Timings::measure(&mut timings.read, || Points::read(job.points, job.drop_non_finite))?;
-    report.inputs.push(Input::new("points", job.points, &points.report));
+    report.add_input(Input::new("model", job.model, &loaded.report));
+    let mut points = Timings::measure(&mut timings.read, || Points::read(job.points, job.drop_non_finite))?;
+    if job.max_angle.is_none() {
+        points.normals = None;
+    } else if points.normals.is_none() {
+        let advice = "leave out --max-angle, or give a file with normals (nx, ny, nz)";
+        return Err(Error::content(job.points, "the points have no normals", advice));
+    }
+    report.add_input(Input::new("points", job.points, &points.report));
     report.timings = timings;
     warn(report, job, &loaded, &points);
 
     let shapes = loaded.shapes;
     let target = Timings::measure(&mut timings.build, || Target::build(loaded.model, job.model))?;
+    if job.max_angle.is_some() {
+        target.check_normals(job.model)?;
+    }
     let layout = Layout::of(&target, shapes.len());
     report.model = Some(summarise(&target, shapes.len()));
     report.options = Some(Options {
@@ -77,7 +95,8 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Projected, Error
     });
     let progress = Progress::new("projecting", job.quiet);
     let feet = Timings::measure(&mut timings.compute, || {
-        target.project(&points, job.points, &job.options, &|done, total| progress.report(done, total))
+        let tell = |done: usize, total: usize| progress.report(done, total);
+        target.project(&points, job.points, &job.options, job.max_angle, &tell)
     })?;
     drop(progress);
     report.points_per_second = (timings.compute > 0.0).then(|| feet.len() as f64 / timings.compute);
@@ -86,35 +105,71 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Projected, Error
     let projected = Projected { points, feet, layout };
     write(job.out, format, &projected, report)?;
     let results = results(&projected, job, &shapes);
-    let failed: usize = results.status.iter().filter(|(name, _)| !GOOD.contains(name)).map(|(_, n)| n).sum();
-    if failed > 0 {
+    let open = results.status.get(Status::Uncertified.name()).copied().unwrap_or(0);
+    if open > 0 {
         report.warnings.push(format!(
-            "{failed} of {} points did not converge; their rows say how they ended (exit status 1)",
-            results.points
+            "{open} of {} are uncertified: another point of the model may be nearer, down to lower_bound in their rows \
+             (exit status 1)",
+            counted(results.points, "point")
         ));
     }
+    let bad: usize = results.status.iter().filter(|(name, _)| !GOOD.contains(name)).map(|(_, n)| n).sum();
+    let failed = bad - open;
+    if failed > 0 {
+        report.warnings.push(format!(
+            "{failed} of {} did not converge; the column status says how (exit status 1)",
+            counted(results.points, "point")
+        ));
+    }
+    if let Some(&count) = results.status.get("no_normal") {
+        report.warnings.push(format!(
+            "{}: {count} of {} have a normal that is zero or not finite (no_normal); they are not projected",
+            job.points.display(),
+            counted(results.points, "point")
+        ));
+    }
+    report.count_points("points", results.points_dropped, results.points_used);
     report.results = Some(Results::Projection(Box::new(results)));
     Ok(projected)
 }
 
 /// Writes the result once more, in the format of another extension.
 pub(crate) fn write_also(path: &Path, projected: &Projected, report: &mut Report) -> Result<(), Error> {
-    write(path, Format::of(path)?, projected, report)
+    write(path, Format::of(path, None)?, projected, report)
 }
 
 fn write(path: &Path, format: Format, projected: &Projected, report: &mut Report) -> Result<(), Error> {
     let Projected { points, feet, layout } = projected;
-    let table = Table { layout, points: &points.positions, feet, triangles: &points.triangles };
+    let table = Table {
+        layout,
+        points: &points.positions,
+        point_names: points.names.as_ref(),
+        feet,
+        triangles: &points.triangles,
+    };
     let bytes = Timings::measure(&mut report.timings.write, || output::write(path, format, &table))?;
-    let content = format!("{} rows: {}", feet.len(), layout.names().join(","));
-    report.outputs.push(Output { path: path.to_path_buf(), bytes, content });
+    let content = format!("{}: {}", counted(feet.len(), "row"), columns(projected).join(","));
+    report.add_output(Output { path: path.to_path_buf(), bytes, content });
     Ok(())
 }
 
-/// Whether every finite point of the projection in the report converged.
+/// The columns of the result.
+fn columns(projected: &Projected) -> Vec<&'static str> {
+    let name = projected.points.names.as_ref().map(|_| NAME);
+    projected.layout.names().into_iter().chain(name).collect()
+}
+
+/// Whether every finite point of the projection in the report converged and has the certificate that was asked for.
 pub(crate) fn all_converged(report: &Report) -> bool {
     let Some(Results::Projection(results)) = &report.results else { return true };
     results.status.keys().all(|name| GOOD.contains(name))
+}
+
+/// What the report calls a projection that is not done.
+pub(crate) fn otherwise(report: &Report) -> &'static str {
+    let Some(Results::Projection(results)) = &report.results else { return "not_converged" };
+    let mut failed = results.status.keys().filter(|name| !GOOD.contains(name));
+    if failed.all(|name| *name == UNPROVEN) { "not_proven" } else { "not_converged" }
 }
 
 fn warn(report: &mut Report, job: &Job<'_>, loaded: &Loaded, points: &Points) {
@@ -125,16 +180,11 @@ fn warn(report: &mut Report, job: &Job<'_>, loaded: &Loaded, points: &Points) {
     let read = &points.report;
     if read.non_finite > 0 {
         let fate = if read.dropped > 0 {
-            "they were left out, so that rows of the result are numbered anew"
+            "left out, so that rows of the result are numbered anew"
         } else {
-            "they keep their rows, with status invalid_point and no values (--drop-non-finite leaves them out)"
+            "kept as rows with the status invalid_point and no values (--drop-non-finite leaves them out)"
         };
-        let count = read.non_finite;
-        report.warnings.push(format!(
-            "{}: {count} of {} points have a coordinate that is NaN or infinite; {fate}",
-            job.points.display(),
-            read.points
-        ));
+        report.warnings.push(not_finite(job.points, read.non_finite, read.points, fate));
     }
 }
 
@@ -152,7 +202,7 @@ fn results(
     job: &Job<'_>,
     shapes: &[(&'static str, Option<String>)],
 ) -> ProjectionResults {
-    let Projected { points, feet, layout } = projected;
+    let Projected { points, feet, .. } = projected;
     let mut status = BTreeMap::new();
     let mut location = BTreeMap::new();
     let mut multiplicity = BTreeMap::new();
@@ -165,19 +215,27 @@ fn results(
         }
         *location.entry(foot.location).or_default() += 1;
         *multiplicity.entry(multiplicity_name(foot.multiplicity).to_owned()).or_default() += 1;
-        largest_gap = Some(largest_gap.map_or(foot.gap, |gap| gap.max(foot.gap)));
+        largest_gap = Some(largest_gap.map_or(foot.gap(), |gap| gap.max(foot.gap())));
         if worst.as_ref().is_none_or(|worst| foot.distance.abs() > worst.distance.abs()) {
             let point = points.positions[index].into();
-            worst = Some(Worst { index, point, distance: foot.distance });
+            let name = points.name(index).map(str::to_owned);
+            worst = Some(Worst { index, point, distance: foot.distance, name });
         }
     }
+    let dropped = feet.iter().filter(|foot| foot.status == Status::InvalidPoint).count();
+    let distance = Statistics::of(feet.iter().map(|foot| foot.distance));
     ProjectionResults {
         points: feet.len(),
-        columns: layout.names(),
+        points_dropped: points.report.non_finite,
+        points_used: feet.len() - dropped,
+        rms: distance.as_ref().map(|distance| distance.rms),
+        max: worst.as_ref().map(|worst| worst.distance.abs()),
+        max_index: worst.as_ref().map(|worst| worst.index),
+        columns: columns(projected),
         status,
         location,
         multiplicity,
-        distance: Statistics::of(feet.iter().map(|foot| foot.distance)),
+        distance,
         worst,
         largest_gap: largest_gap.filter(|_| job.mode == SearchMode::Certified),
         shapes: shape_results(feet, shapes),

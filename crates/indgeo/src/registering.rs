@@ -9,11 +9,13 @@ use crate::registration_field::{RegistrationField, locks_fit_the_plane};
 use crate::registration_model::RegistrationModel;
 use crate::registration_report::{self as found, RegistrationResults, StartResult};
 use crate::report::{Input, ModelSummary, Output, Report, Results, Timings};
-use industrial_geometry::io::{self, AtomicFile, Content, ReadOptions, WriteOptions};
+use crate::wording::{counted, not_finite};
+use industrial_geometry::io::{self, Content, Format, ReadOptions, WriteOptions};
 use industrial_geometry::mesh::nalgebra::Vector3;
 use industrial_geometry::register::start::{OrientedPoints, StartOptions, coarse_start};
-use industrial_geometry::register::{Pose, RegisterOptions, RegisterReport, StepRecord};
-use std::io::Write;
+use industrial_geometry::register::{
+    Error as RegisterError, Pose, RegisterOptions, RegisterReport, Rejection, Source, StepRecord,
+};
 use std::path::Path;
 use std::time::Instant;
 
@@ -48,12 +50,16 @@ pub(crate) struct Job<'a> {
     pub(crate) points: &'a Path,
     /// File of the moved points.
     pub(crate) out: Option<&'a Path>,
+    /// Their format, if not that of the extension.
+    pub(crate) format: Option<Format>,
     /// File of the motion.
     pub(crate) transform: Option<&'a Path>,
     /// Where to start.
     pub(crate) start: Start<'a>,
     /// Options of the library.
     pub(crate) options: RegisterOptions<3>,
+    /// Largest angle, in radians, between the normals of points and feet that count.
+    pub(crate) max_angle: Option<f64>,
     /// Whether the method makes no sense without normals of the points.
     pub(crate) needs_normals: bool,
     /// Whether nobody wants to watch.
@@ -64,6 +70,8 @@ pub(crate) struct Job<'a> {
 struct Cloud<'a> {
     positions: Vec<Vector3<f64>>,
     normals: Option<&'a [Vector3<f64>]>,
+    /// 0 for points that do not count because they have no normal; `None` where all count.
+    weights: Option<Vec<f64>>,
 }
 
 /// Does the job and fills in the report; returns whether the result converged.
@@ -77,10 +85,10 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
     let mut timings = Timings::default();
     let (model, read) =
         Timings::measure(&mut timings.read, || RegistrationModel::read(job.model, &mut report.warnings))?;
-    report.inputs.push(Input::new("model", job.model, &read));
+    report.add_input(Input::new("model", job.model, &read));
     let given = init.map(poses::read).transpose()?;
     let loaded = Timings::measure(&mut timings.read, || files::read(job.points, &ReadOptions::default()))?;
-    report.inputs.push(Input::new("points", job.points, &loaded.report));
+    report.add_input(Input::new("points", job.points, &loaded.report));
     let content = loaded.content;
     warn(job, &loaded.report, report);
     let is_planar = matches!(model, RegistrationModel::Plane(_));
@@ -88,6 +96,16 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
         return Err(Error::usage("a lock of tz, rx or ry has no effect in the plane", "lock tx, ty or rz"));
     }
     let cloud = cloud(&content, job, is_planar)?;
+    if job.max_angle.is_some() {
+        model.check_normals(job.model)?;
+        let ignored = cloud.weights.iter().flatten().filter(|weight| **weight == 0.0).count();
+        if ignored > 0 {
+            report.warnings.push(format!(
+                "{}: {ignored} points have a normal that is zero or not finite; they are moved, but do not count",
+                job.points.display()
+            ));
+        }
+    }
     let field = Timings::measure(&mut timings.build, || model.field(job.model))?;
     report.model = Some(ModelSummary {
         kind: model.kind(),
@@ -97,7 +115,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
         signed: matches!(model, RegistrationModel::Surfaces(_) | RegistrationModel::Plane(_)),
     });
 
-    let progress = Progress::new("registering", job.quiet);
+    let progress = Progress::iterations("registering", job.quiet);
     let began = Instant::now();
     let (starts, results) = solve(job, &model, &field, &cloud, given, &progress)?;
     timings.compute = began.elapsed().as_secs_f64();
@@ -106,6 +124,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
     report.timings = timings;
     write(job, content, &results[best], report)?;
     let converged = results[best].is_converged();
+    report.count_points("points", results[best].dropped, results[best].used);
     report.results =
         Some(Results::Registration(Box::new(RegistrationResults::new(&results[best], starts, best))));
     Ok(converged)
@@ -116,12 +135,7 @@ fn warn(job: &Job<'_>, read: &io::ReadReport, report: &mut Report) {
         .warnings
         .extend(read.warnings.iter().map(|warning| format!("{}: {warning}", job.points.display())));
     if read.non_finite > 0 {
-        report.warnings.push(format!(
-            "{}: {} of {} points have a coordinate that is NaN or infinite; they are moved, but do not count",
-            job.points.display(),
-            read.non_finite,
-            read.points
-        ));
+        report.warnings.push(not_finite(job.points, read.non_finite, read.points, "moved, not used"));
     }
 }
 
@@ -150,7 +164,19 @@ fn cloud<'a>(content: &'a Content, job: &Job<'_>, is_planar: bool) -> Result<Clo
         let what = "the points have no normals, which --method symmetric needs";
         return Err(Error::content(job.points, what, "choose another method, or a file with normals"));
     }
-    Ok(Cloud { positions: cloud.positions().iter().map(|point| point.coords).collect(), normals })
+    if job.max_angle.is_some() && normals.is_none() {
+        let what = "the points have no normals, which --max-angle needs";
+        return Err(Error::content(
+            job.points,
+            what,
+            "leave it out, or give a file with normals (nx, ny, nz)",
+        ));
+    }
+    let is_usable = |normal: &Vector3<f64>| normal.iter().all(|c| c.is_finite()) && normal.amax() > 0.0;
+    let weights = normals.filter(|normals| job.max_angle.is_some() && !normals.iter().all(is_usable));
+    let weights = weights.map(|normals| normals.iter().map(|n| f64::from(u8::from(is_usable(n)))).collect());
+    let positions = cloud.positions().iter().map(|point| point.coords).collect();
+    Ok(Cloud { positions, normals, weights })
 }
 
 /// Registers from every start.
@@ -191,7 +217,7 @@ fn solve(
             Some(normals) => OrientedPoints::new(&cloud.positions, normals),
             None => OrientedPoints::without_normals(&cloud.positions),
         };
-        let tell = |done: usize, total: usize| progress.report(done, total);
+        let tell = |done: usize, total: usize| progress.part("searching all positions", done, total);
         let samples = model.samples(job.model)?;
         let found =
             oriented.and_then(|points| coarse_start(&samples, &points, &StartOptions::default(), &tell));
@@ -217,10 +243,24 @@ fn register(
     start: &Pose<3>,
     progress: &Progress,
 ) -> Result<RegisterReport<3>, Error> {
-    let tell = |_: &StepRecord| progress.tick();
-    field
-        .register(&cloud.positions, cloud.normals, start, &job.options, &tell)
-        .map_err(|error| Error::content(job.points, error.to_string(), "check it with `indgeo info`"))
+    progress.begin();
+    let most = job.options.max_iterations;
+    let tell = |step: &StepRecord| {
+        progress.next_iteration(most, &format!("{}, rms {:.3e}", counted(step.points, "point"), step.rms))
+    };
+    let mut options = job.options;
+    if let Some(angle) = job.max_angle {
+        options.rejection =
+            Rejection { oriented_normals: true, ..options.rejection.with_normal_angle(angle) };
+    }
+    let source =
+        Source { points: &cloud.positions, normals: cloud.normals, weights: cloud.weights.as_deref() };
+    field.register(&source, start, &options, &tell).map_err(|error| match error {
+        RegisterError::Option { name, value, allowed } => {
+            Error::option(name, value, allowed, "see `indgeo register --help`")
+        }
+        other => Error::content(job.points, other.to_string(), "check it with `indgeo info`"),
+    })
 }
 
 /// How well a pose fits: mean squared distance with a limit, as a share of the limit, and the share of the points within.
@@ -259,23 +299,20 @@ fn write(
     let mut seconds = report.timings.write;
     Timings::measure(&mut seconds, || -> Result<(), Error> {
         if let Some(path) = job.out {
-            let written =
-                io::write(path, &moved(content, &result.pose, job.points)?, &WriteOptions::default())?;
+            let options = WriteOptions { format: job.format, ..WriteOptions::default() };
+            let written = files::write_content(path, &moved(content, &result.pose, job.points)?, &options)?;
             report
                 .warnings
                 .extend(written.warnings.iter().map(|warning| format!("{}: {warning}", path.display())));
-            let content = format!("{} moved points", written.points);
-            report.outputs.push(Output { path: path.to_path_buf(), bytes: written.bytes, content });
+            let content = counted(written.points, "moved point");
+            report.add_output(Output { path: path.to_path_buf(), bytes: written.bytes, content });
         }
         if let Some(path) = job.transform {
-            let failed = |source: std::io::Error| Error::write(path, source);
-            let mut text = serde_json::to_string_pretty(&found::transform(result))
-                .map_err(|error| failed(error.into()))?;
-            text.push('\n');
-            let mut file = AtomicFile::create(path)?;
-            file.write_all(text.as_bytes()).map_err(failed)?;
-            let bytes = file.commit()?;
-            report.outputs.push(Output { path: path.to_path_buf(), bytes, content: "motion".to_owned() });
+            let bytes = files::write(path, |out| {
+                serde_json::to_writer_pretty(&mut *out, &found::transform(result))?;
+                out.write_all(b"\n")
+            })?;
+            report.add_output(Output { path: path.to_path_buf(), bytes, content: "motion".to_owned() });
         }
         Ok(())
     })?;

@@ -9,6 +9,7 @@ use crate::registering::Start;
 use crate::report::{Input, Output, Report, Results, Timings};
 use crate::staging::Staging;
 use crate::views_report::ViewsResults;
+use crate::wording::{counted, not_finite};
 use industrial_geometry::io::{self, Content, Format, ReadOptions, WriteOptions};
 use industrial_geometry::register::Pose;
 use industrial_geometry::register::views::{
@@ -77,6 +78,9 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
     let triples = job.views.iter().zip(&outputs).zip(&loaded);
     let triples = triples.map(|((path, moved), one)| (path.clone(), moved.clone(), one.points));
     let results = ViewsResults::new(&found, start, triples);
+    for (input, view) in report.inputs.iter_mut().zip(&results.views) {
+        input.count(view.points_dropped, view.points.saturating_sub(view.points_dropped));
+    }
     let mut seconds = 0.0;
     Timings::measure(&mut seconds, || write(job, loaded, &found, &results, report))?;
     timings.write = seconds;
@@ -87,6 +91,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
 
 /// Makes sure that every view has a name of its own and no input is overwritten.
 fn check(job: &Job<'_>, inputs: &[&Path]) -> Result<(), Error> {
+    files::check_folder(job.out)?;
     let mut names: Vec<_> = job.views.iter().map(|view| view.file_name()).collect();
     if let Some(at) = names.iter().position(Option::is_none) {
         return Err(Error::content(&job.views[at], "this is not the name of a file", "name a file"));
@@ -113,7 +118,7 @@ fn check(job: &Job<'_>, inputs: &[&Path]) -> Result<(), Error> {
 fn poses_of(file: &Path, views: usize) -> Result<Vec<Pose<3>>, Error> {
     let poses = poses::read(file)?;
     if poses.len() != views {
-        let what = format!("{} poses for {views} views", poses.len());
+        let what = format!("{} for {}", counted(poses.len(), "pose"), counted(views, "view"));
         return Err(Error::content(file, what, "give one pose per view, in their order"));
     }
     match poses.iter().position(|pose| pose.scale != 1.0) {
@@ -127,14 +132,14 @@ fn poses_of(file: &Path, views: usize) -> Result<Vec<Pose<3>>, Error> {
 
 fn read(path: &Path, report: &mut Report) -> Result<Loaded, Error> {
     let loaded = files::read(path, &ReadOptions::default())?;
-    report.inputs.push(Input::new("view", path, &loaded.report));
+    report.add_input(Input::new("view", path, &loaded.report));
     report.warnings.extend(loaded.report.warnings.iter().map(|w| format!("{}: {w}", path.display())));
     if loaded.report.non_finite > 0 {
-        report.warnings.push(format!(
-            "{}: {} of {} points have a coordinate that is NaN or infinite; they are moved, but do not count",
-            path.display(),
+        report.warnings.push(not_finite(
+            path,
             loaded.report.non_finite,
-            loaded.report.points
+            loaded.report.points,
+            "moved, not used",
         ));
     }
     let failed = |error: industrial_geometry::register::Error| {
@@ -188,6 +193,9 @@ fn solve(
 
 /// The error of the library with the file of the view it speaks of (`view 3: …`).
 fn name_view(error: &industrial_geometry::register::Error, job: &Job<'_>) -> Error {
+    if let industrial_geometry::register::Error::Option { name, value, allowed } = error {
+        return Error::option(name, *value, &format!("in {allowed}"), "see `indgeo register-views --help`");
+    }
     let text = error.to_string();
     let rest = text.strip_prefix("view ").and_then(|rest| rest.split_once(": "));
     let named = rest.and_then(|(index, what)| Some((job.views.get(index.parse::<usize>().ok()?)?, what)));
@@ -226,8 +234,8 @@ fn write(
         let content = moved(one.content, &view.pose, path)?;
         let written = io::write(staging.path(&target), &content, &options)?;
         report.warnings.extend(written.warnings.iter().map(|w| format!("{}: {w}", target.display())));
-        let content = format!("{} moved points", written.points);
-        report.outputs.push(Output { path: target, bytes: written.bytes, content });
+        let content = counted(written.points, "moved point");
+        report.add_output(Output { path: target, bytes: written.bytes, content });
     }
     let target = job.out.join(POSES);
     let failed = |source: std::io::Error| Error::write(&target, source);
@@ -236,6 +244,6 @@ fn write(
     fs::write(staging.path(&target), &text).map_err(failed)?;
     staging.commit()?;
     let content = "poses of the views, distances of the pairs".to_owned();
-    report.outputs.push(Output { path: target, bytes: text.len() as u64, content });
+    report.add_output(Output { path: target, bytes: text.len() as u64, content });
     Ok(())
 }

@@ -43,27 +43,17 @@ impl RegistrationField {
     /// are not looked at.
     pub(crate) fn register(
         &self,
-        points: &[Vector3<f64>],
-        normals: Option<&[Vector3<f64>]>,
+        source: &Source<'_, 3>,
         start: &Pose<3>,
         options: &RegisterOptions<3>,
         progress: &(dyn Fn(&StepRecord) -> ControlFlow<()> + Sync),
     ) -> Result<RegisterReport<3>, Error> {
         match self {
-            Self::Space(field) => {
-                let mut source = Source::new(points);
-                if let Some(normals) = normals {
-                    source = source.with_normals(normals);
-                }
-                register_with_progress(field.as_ref(), &source, start, options, progress)
-            }
+            Self::Space(field) => register_with_progress(field.as_ref(), source, start, options, progress),
             Self::Plane(field) => {
-                let points: Vec<_> = points.iter().map(Vector3::xy).collect();
-                let normals: Option<Vec<_>> = normals.map(|all| all.iter().map(Vector3::xy).collect());
-                let mut source = Source::new(&points);
-                if let Some(normals) = &normals {
-                    source = source.with_normals(normals);
-                }
+                let points: Vec<_> = source.points.iter().map(Vector3::xy).collect();
+                let normals: Option<Vec<_>> = source.normals.map(|all| all.iter().map(Vector3::xy).collect());
+                let source = Source { points: &points, normals: normals.as_deref(), weights: source.weights };
                 let report = register_with_progress(
                     field.as_ref(),
                     &source,

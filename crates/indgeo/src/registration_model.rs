@@ -3,9 +3,10 @@
 use crate::error::Error;
 use crate::files;
 use crate::registration_field::RegistrationField;
+use crate::wording::{counted, not_finite};
 use industrial_geometry::distance_field::{CloudField, CurveField, DistanceField, MeshField, SurfaceField};
 use industrial_geometry::io::{Content, ReadOptions, ReadReport, Shape};
-use industrial_geometry::mesh::{PointCloud, TriangleMesh};
+use industrial_geometry::mesh::{MeshProjector, PointCloud, TriangleMesh};
 use industrial_geometry::nurbs::{BsplineCurve, BsplineSurface, ParametricSurface};
 use industrial_geometry::register::start::OrientedPoints;
 use std::path::Path;
@@ -37,11 +38,7 @@ impl RegistrationModel {
         let report = loaded.report;
         warnings.extend(report.warnings.iter().map(|warning| format!("{}: {warning}", path.display())));
         if report.dropped > 0 {
-            warnings.push(format!(
-                "{}: {} points that are not finite are left out",
-                path.display(),
-                report.dropped
-            ));
+            warnings.push(not_finite(path, report.dropped, report.points, "left out"));
         }
         let model = match loaded.content {
             Content::Nurbs(model) => Self::of_shapes(model.into_shapes(), path, warnings)?,
@@ -69,7 +66,7 @@ impl RegistrationModel {
             if in_space == 0 {
                 return Ok(Self::Plane(plane));
             }
-            let what = format!("{} shapes lie in the plane, {in_space} in space", plane.len());
+            let what = format!("shapes in the plane: {}, in space: {in_space}", plane.len());
             return Err(Error::content(path, what, "put them into models of their own"));
         }
         match (surfaces.is_empty(), curves.is_empty()) {
@@ -80,9 +77,9 @@ impl RegistrationModel {
             (false, _) => {
                 if !curves.is_empty() {
                     warnings.push(format!(
-                        "{}: {} curves are left out, points are registered to the surfaces",
+                        "{}: {} left out, points are registered to the surfaces",
                         path.display(),
-                        curves.len()
+                        counted(curves.len(), "curve")
                     ));
                 }
                 Ok(Self::Surfaces(surfaces))
@@ -127,6 +124,24 @@ impl RegistrationModel {
                 .map(|field| Box::new(field) as _),
         };
         field.map(RegistrationField::Space).map_err(failed)
+    }
+
+    /// Makes sure that the model has normals that tell sides, with which those of points can agree.
+    pub(crate) fn check_normals(&self, path: &Path) -> Result<(), Error> {
+        let what = match self {
+            Self::Surfaces(_) => return Ok(()),
+            Self::Plane(_) | Self::Curves(_) => "the model has curves, which have no normals",
+            Self::Cloud(cloud) if cloud.attributes().normals().is_some() => return Ok(()),
+            Self::Cloud(_) => "the model is a cloud without normals",
+            Self::Mesh(mesh) => match MeshProjector::new(mesh) {
+                Ok(projector) if !projector.topology().is_oriented() => {
+                    "neighbouring triangles disagree on the side of their normals"
+                }
+                // A mesh that cannot be used is refused where its field is built.
+                _ => return Ok(()),
+            },
+        };
+        Err(Error::content(path, what, "leave out --max-angle, or give a model with normals"))
     }
 
     /// Points with normals, spread over the model.

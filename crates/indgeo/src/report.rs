@@ -1,14 +1,17 @@
 //! The machine-readable report of a command (`--json`).
 
+use crate::commands::convert::ConvertResults;
+use crate::fitting_curve::CurveResults;
 use crate::fitting_ruled::RuledResults;
 use crate::fitting_subdivision::SubdivisionResults;
 use crate::fitting_surface::SurfaceResults;
+use crate::inspecting::InspectionResults;
+use crate::interrupt;
 use crate::parameterizing::ParameterResults;
 use crate::registration_report::RegistrationResults;
 use crate::selftest::Check;
 use crate::views_report::ViewsResults;
-use industrial_geometry::fit::curve::CurveReport;
-use industrial_geometry::inspection::{Inspection, Statistics};
+use industrial_geometry::inspection::Statistics;
 use industrial_geometry::io::ReadReport;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -22,7 +25,8 @@ pub(crate) struct Report {
     pub(crate) command: &'static str,
     /// Version of the program.
     pub(crate) version: &'static str,
-    /// `done` (exit status 0), `not_converged`, `out_of_tolerance` or `failed` (1), `error` (2).
+    /// `done` (exit status 0); `out_of_tolerance`, `not_converged`, `not_proven`, `defective` or `failed` (1); `error` (2);
+    /// `cancelled` (130).
     pub(crate) status: &'static str,
     /// Exit status of the process.
     pub(crate) exit_code: u8,
@@ -44,19 +48,64 @@ pub(crate) struct Report {
     /// Points projected per second of computation.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) points_per_second: Option<f64>,
-    /// What the command found.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    /// What the command found; `null` where it did not come to an end.
     pub(crate) results: Option<Results>,
     /// What the user should know.
     pub(crate) warnings: Vec<String>,
 }
 
+/// Writes a path as text; what is not UTF-8 in it is replaced, since a report without it would be worse.
+pub(crate) fn lossy<S: serde::Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(&path.to_string_lossy())
+}
+
+impl Report {
+    /// Adds a file that was read.
+    pub(crate) fn add_input(&mut self, input: Input) {
+        self.inputs.push(input);
+        interrupt::note(self);
+    }
+
+    /// Adds a file that was written.
+    pub(crate) fn add_output(&mut self, output: Output) {
+        self.outputs.push(output);
+        interrupt::note(self);
+    }
+
+    /// Says how many points of the inputs with this role were dropped, and how many count for the result.
+    pub(crate) fn count_points(&mut self, role: &str, dropped: usize, used: usize) {
+        for input in self.inputs.iter_mut().filter(|input| input.role == role) {
+            input.count(dropped, used);
+        }
+    }
+
+    /// The report of a command that has not ended.
+    pub(crate) fn so_far(&self) -> Self {
+        Self {
+            command: self.command,
+            version: self.version,
+            status: self.status,
+            exit_code: self.exit_code,
+            error: self.error.clone(),
+            inputs: self.inputs.clone(),
+            model: self.model.clone(),
+            options: self.options.clone(),
+            outputs: self.outputs.clone(),
+            timings: self.timings,
+            points_per_second: self.points_per_second,
+            results: None,
+            warnings: self.warnings.clone(),
+        }
+    }
+}
+
 /// A file that was read.
-#[derive(Debug, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub(crate) struct Input {
-    /// `model`, `points`, `view` or `file`.
+    /// `model`, `points`, `init`, `view` or `file`.
     pub(crate) role: &'static str,
     /// The path as given.
+    #[serde(serialize_with = "lossy")]
     pub(crate) path: PathBuf,
     /// What was read, dropped and left.
     #[serde(flatten)]
@@ -64,14 +113,16 @@ pub(crate) struct Input {
 }
 
 /// Counts of a file that was read.
-#[derive(Debug, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub(crate) struct ReadSummary {
     /// Format, recognised by content.
     pub(crate) format: String,
     /// Points in the file.
     pub(crate) points_read: usize,
-    /// Points that were dropped because they are not finite.
+    /// Points that do not count because they are not finite.
     pub(crate) points_dropped: usize,
+    /// Points that count for the result: neither dropped nor outliers.
+    pub(crate) points_used: usize,
     /// Points with a coordinate that is NaN or infinite, dropped or not.
     pub(crate) non_finite: usize,
     /// Triangles in the file.
@@ -81,12 +132,21 @@ pub(crate) struct ReadSummary {
 }
 
 impl Input {
+    /// How many points were dropped, and how many count for the result: of the file, which has none where they were taken from
+    /// its shapes.
+    pub(crate) fn count(&mut self, dropped: usize, used: usize) {
+        let read = &mut self.read;
+        read.points_dropped = dropped.min(read.points_read);
+        read.points_used = used.min(read.points_read - read.points_dropped);
+    }
+
     /// The input at `path`, read with this report.
     pub(crate) fn new(role: &'static str, path: &Path, report: &ReadReport) -> Self {
         let read = ReadSummary {
             format: report.format.extension().to_owned(),
             points_read: report.points,
-            points_dropped: report.dropped,
+            points_dropped: report.non_finite,
+            points_used: report.points.saturating_sub(report.non_finite),
             non_finite: report.non_finite,
             triangles: report.triangles,
             shapes: report.shapes,
@@ -96,9 +156,10 @@ impl Input {
 }
 
 /// A file that was written.
-#[derive(Debug, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub(crate) struct Output {
     /// The path as given.
+    #[serde(serialize_with = "lossy")]
     pub(crate) path: PathBuf,
     /// Its size.
     pub(crate) bytes: u64,
@@ -107,7 +168,7 @@ pub(crate) struct Output {
 }
 
 /// What was projected onto.
-#[derive(Debug, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub(crate) struct ModelSummary {
     /// `nurbs` or `mesh`.
     pub(crate) kind: &'static str,
@@ -122,7 +183,7 @@ pub(crate) struct ModelSummary {
 }
 
 /// Options of a projection.
-#[derive(Debug, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub(crate) struct Options {
     /// `certified`, `fast` or `local`.
     pub(crate) mode: &'static str,
@@ -165,13 +226,13 @@ pub(crate) enum Results {
     /// Of a projection.
     Projection(Box<ProjectionResults>),
     /// Of an inspection.
-    Inspection(Box<Inspection>),
+    Inspection(Box<InspectionResults>),
     /// Of a registration.
     Registration(Box<RegistrationResults>),
     /// Of a registration of many views.
     Views(Box<ViewsResults>),
     /// Of a fit of a curve.
-    Curve(Box<CurveReport>),
+    Curve(Box<CurveResults>),
     /// Of a parameterisation.
     Parameters(Box<ParameterResults>),
     /// Of a fit of a surface.
@@ -180,6 +241,8 @@ pub(crate) enum Results {
     Ruled(Box<RuledResults>),
     /// Of a fit of a subdivision surface.
     Subdivision(Box<SubdivisionResults>),
+    /// Of `convert`.
+    Converted(ConvertResults),
     /// Of `selftest`.
     Checks(Vec<Check>),
     /// Of `info`.
@@ -191,6 +254,16 @@ pub(crate) enum Results {
 pub(crate) struct ProjectionResults {
     /// Number of rows of the result.
     pub(crate) points: usize,
+    /// Points without a footpoint because they are not finite.
+    pub(crate) points_dropped: usize,
+    /// Points with a footpoint.
+    pub(crate) points_used: usize,
+    /// Root mean square distance.
+    pub(crate) rms: Option<f64>,
+    /// Largest distance, without its sign.
+    pub(crate) max: Option<f64>,
+    /// The point that has it, from 0.
+    pub(crate) max_index: Option<usize>,
     /// Columns of the result.
     pub(crate) columns: Vec<&'static str>,
     /// Number of points per status.
@@ -218,6 +291,9 @@ pub(crate) struct Worst {
     pub(crate) point: [f64; 3],
     /// Its distance.
     pub(crate) distance: f64,
+    /// Its name, if it has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) name: Option<String>,
 }
 
 /// The points whose footpoints lie on one shape.

@@ -4,30 +4,40 @@ use crate::args::{Cli, Command, Common};
 use crate::commands::{self, Outcome};
 use crate::error::Error;
 use crate::files;
+use crate::interrupt;
 use crate::report::Report;
 use crate::threads;
-use industrial_geometry::io::{AtomicFile, remove_unfinished};
+use industrial_geometry::io::AtomicFile;
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-
-/// The exit status of a program that was interrupted: 128 and the number of the signal.
-const INTERRUPTED: i32 = 130;
 
 /// Runs the command that was asked for.
 pub(crate) fn run(cli: &Cli) -> ExitCode {
     let common = &cli.common;
-    if let Err(error) = ctrlc::set_handler(interrupted) {
+    if let Err(error) = ctrlc::set_handler(interrupt::handle) {
         let _ =
             writeln!(std::io::stderr(), "warning: an interrupt will leave temporary files behind: {error}");
     }
     let mut report =
         Report { command: cli.command.name(), version: env!("CARGO_PKG_VERSION"), ..Report::default() };
     let json_file = common.json.as_deref().filter(|path| !files::is_stream(path));
-    let mut ended = match json_file.map_or(Ok(()), |path| check_report(path, &cli.command)) {
-        Ok(()) => threads::with_threads(common.threads, || commands::run(&cli.command, common, &mut report)),
-        Err(error) => return fail(&error),
-    };
+    let checked = check_stream(common, &cli.command)
+        .and_then(|()| json_file.map_or(Ok(()), |path| check_report(path, &cli.command)));
+    if let Err(error) = checked {
+        return fail(&error);
+    }
+    interrupt::watch(common.json.as_deref(), &report);
+    let mut ended =
+        threads::with_threads(common.threads, || commands::run(&cli.command, common, &mut report));
+    // What follows is the end of the command, which an interrupt does not change any more.
+    let _ended = interrupt::too_late();
+    let is_taken = cli.command.files().1.iter().any(|path| files::is_stream(path));
+    if let Ok(outcome) = &ended
+        && let Err(error) = tell(common, is_taken, outcome, &report.warnings)
+    {
+        ended = Err(error);
+    }
     (report.status, report.exit_code) = match &ended {
         Ok(Outcome { converged: true, .. }) => ("done", 0),
         Ok(Outcome { otherwise, .. }) => (*otherwise, 1),
@@ -41,19 +51,20 @@ pub(crate) fn run(cli: &Cli) -> ExitCode {
         ended = ended.and(Err(error));
     }
     match ended {
-        Ok(outcome) => {
-            tell(common, &outcome, &report.warnings);
-            ExitCode::from(report.exit_code)
-        }
+        Ok(_) => ExitCode::from(report.exit_code),
         Err(error) => fail(&error),
     }
 }
 
-/// Ends the program when the user or the system asks for it, without half-written output.
-fn interrupted() {
-    remove_unfinished();
-    let _ = writeln!(std::io::stderr(), "interrupted: no output was written");
-    std::process::exit(INTERRUPTED);
+/// Makes sure that one thing at most is written to standard output.
+fn check_stream(common: &Common, command: &Command) -> Result<(), Error> {
+    let (_, outputs) = command.files();
+    let all = outputs.iter().map(PathBuf::as_path).chain(common.json.as_deref());
+    if all.filter(|path| files::is_stream(path)).count() > 1 {
+        let what = "standard output (`-`) is named twice";
+        return Err(Error::usage(what, "write one of the results to a file"));
+    }
+    Ok(())
 }
 
 /// Makes sure that the report can be written and takes the place of no other file of the command.
@@ -75,20 +86,38 @@ fn fail(error: &Error) -> ExitCode {
 }
 
 /// Prints warnings and the summary. A reader that went away is no reason to fail.
-fn tell(common: &Common, outcome: &Outcome, warnings: &[String]) {
+///
+/// `is_taken` says that a result was written to standard output, where nothing else may stand then.
+///
+/// # Errors
+/// If standard output cannot be written for another reason, such as a full disk.
+pub(crate) fn tell(
+    common: &Common,
+    is_taken: bool,
+    outcome: &Outcome,
+    warnings: &[String],
+) -> Result<(), Error> {
     if common.quiet {
-        return;
+        return Ok(());
     }
     let mut stderr = std::io::stderr().lock();
     for warning in warnings {
         let _ = writeln!(stderr, "warning: {warning}");
     }
-    if !common.json.as_deref().is_some_and(files::is_stream) {
-        let _ = writeln!(std::io::stdout(), "{}", outcome.summary.trim_end());
+    if !is_taken && !common.json.as_deref().is_some_and(files::is_stream) {
+        let mut stdout = std::io::stdout().lock();
+        let written = writeln!(stdout, "{}", outcome.summary.trim_end()).and_then(|()| stdout.flush());
+        if let Err(source) = written
+            && source.kind() != std::io::ErrorKind::BrokenPipe
+        {
+            return Err(Error::write(Path::new("standard output"), source));
+        }
     }
+    Ok(())
 }
 
-fn write_report(path: &Path, report: &Report) -> Result<(), Error> {
+/// Writes the report to a file or, called `-`, to standard output.
+pub(crate) fn write_report(path: &Path, report: &Report) -> Result<(), Error> {
     let failed = |source: std::io::Error| Error::write(path, source);
     let mut text = serde_json::to_string_pretty(report).map_err(|error| failed(error.into()))?;
     text.push('\n');

@@ -1,5 +1,6 @@
 //! What a projection or an inspection says to a person.
 
+use crate::fit_numbers::FitNumbers;
 use crate::fitting_ruled::RuledResults;
 use crate::fitting_subdivision::SubdivisionResults;
 use crate::fitting_surface::SurfaceResults;
@@ -7,9 +8,12 @@ use crate::parameterizing::ParameterResults;
 use crate::registration_report::RegistrationResults;
 use crate::report::{ProjectionResults, Report, Results};
 use crate::views_report::ViewsResults;
+use crate::wording::counted;
+use industrial_geometry::fit::Folds;
 use industrial_geometry::fit::curve::CurveReport;
-use industrial_geometry::fit::{FitReport, Folds};
-use industrial_geometry::inspection::{Inspection, Tolerance};
+use industrial_geometry::inspection::{
+    Inspection, Outcome, Rounding, Tolerance, percent, percent_in_full, percent_of_share,
+};
 use std::fmt::Write;
 
 /// A few lines about a projection or an inspection; empty for other commands.
@@ -18,11 +22,11 @@ pub(crate) fn of(report: &Report) -> String {
     // Writing to memory cannot fail.
     let _ = match &report.results {
         Some(Results::Projection(results)) => write_projection(&mut text, report, results),
-        Some(Results::Inspection(found)) => write_inspection(&mut text, report, found),
+        Some(Results::Inspection(found)) => write_inspection(&mut text, report, &found.found),
         Some(Results::Registration(found)) => write_registration(&mut text, report, found),
         Some(Results::Parameters(found)) => write_parameters(&mut text, report, found),
         Some(Results::Views(found)) => write_views(&mut text, report, found),
-        Some(Results::Curve(found)) => write_curve(&mut text, report, found),
+        Some(Results::Curve(found)) => write_curve(&mut text, report, &found.fitted),
         Some(Results::Surface(found)) => write_surface(&mut text, report, found),
         Some(Results::Ruled(found)) => write_ruled(&mut text, report, found),
         Some(Results::Subdivision(found)) => write_subdivision(&mut text, report, found),
@@ -33,12 +37,13 @@ pub(crate) fn of(report: &Report) -> String {
 
 fn write_projection(text: &mut String, report: &Report, results: &ProjectionResults) -> std::fmt::Result {
     if let Some(model) = &report.model {
-        let pieces = if model.kind == "mesh" { "triangles" } else { "Bézier pieces" };
-        let shapes = if model.shapes == 1 { "shape" } else { "shapes" };
+        let piece = if model.kind == "mesh" { "triangle" } else { "Bézier piece" };
         writeln!(
             text,
-            "{} points projected onto {} {shapes} ({} {pieces})",
-            results.points, model.shapes, model.patches
+            "{} projected onto {} ({})",
+            counted(results.points, "point"),
+            counted(model.shapes, "shape"),
+            counted(model.patches, piece)
         )?;
     }
     let counts = |counts: Vec<(&str, usize)>| {
@@ -53,10 +58,21 @@ fn write_projection(text: &mut String, report: &Report, results: &ProjectionResu
         writeln!(text, "  distance  min {min}  max {max}  mean {mean}  rms {rms}  median {median}")?;
     }
     if let Some(worst) = &results.worst {
-        writeln!(text, "  worst     {} at point {} (from 0)", plain(worst.distance), worst.index)?;
+        let name = quoted(worst.name.as_deref());
+        writeln!(text, "  worst     {} at point {} (from 0){name}", plain(worst.distance), worst.index)?;
     }
     if let Some(gap) = results.largest_gap {
         writeln!(text, "  certified no point of the model is nearer by more than {gap:.1e}")?;
+    } else if report.model.as_ref().is_some_and(|model| model.kind != "mesh") {
+        let mode = report.options.as_ref().map_or("", |options| options.mode);
+        let what = match mode {
+            "local" => "each foot is the local minimum next to a nearby sample",
+            _ => "each foot is the best of several local minima",
+        };
+        writeln!(
+            text,
+            "  proven    none: in mode {mode} {what}; another point may be nearer, lower_bound is empty"
+        )?;
     }
     write_end(text, report)
 }
@@ -66,12 +82,12 @@ fn write_inspection(text: &mut String, report: &Report, found: &Inspection) -> s
     let Tolerance { lower, upper } = found.options.tolerance;
     writeln!(
         text,
-        "{}: {} of {} points within {lower} to {upper} ({:.4} %, at least {:.4} % asked for)",
+        "{}: {} of {} within {lower} to {upper} ({}, at least {} asked for)",
         if verdict.pass { "PASS" } else { "FAIL" },
         verdict.within,
-        verdict.judged,
-        100.0 * verdict.share,
-        100.0 * verdict.min_share
+        counted(verdict.judged, "point"),
+        percent(verdict.within, verdict.judged, Rounding::Down),
+        percent_in_full(verdict.min_share)
     )?;
     let total = &found.total;
     writeln!(
@@ -79,10 +95,23 @@ fn write_inspection(text: &mut String, report: &Report, found: &Inspection) -> s
         "  points    {} measured: {} within, {} over, {} under",
         total.count, total.within, total.over, total.under
     )?;
-    let unused = found.outcomes.iter().filter(|(name, count)| **name != "measured" && **count > 0);
-    let unused: Vec<String> = unused.map(|(name, count)| format!("{count} {name}")).collect();
-    if !unused.is_empty() {
-        writeln!(text, "  not used  {}", unused.join(", "))?;
+    let listed = |judged: bool| {
+        let chosen = Outcome::ALL.iter().filter(|o| **o != Outcome::Measured && o.is_judged() == judged);
+        let counts = chosen.map(|outcome| (outcome.name(), found.outcomes.get(outcome.name())));
+        let counts = counts.filter_map(|(name, count)| Some((name, count.filter(|count| **count > 0)?)));
+        counts.map(|(name, count)| format!("{count} {name}")).collect::<Vec<String>>().join(", ")
+    };
+    for (label, counts) in [("not within", listed(true)), ("not used ", listed(false))] {
+        if !counts.is_empty() {
+            writeln!(text, "  {label} {counts}")?;
+        }
+    }
+    if found.restricted > 0 {
+        writeln!(
+            text,
+            "  normals   {} points are measured on a face that is not the nearest",
+            found.restricted
+        )?;
     }
     if let Some(distance) = &total.distance {
         let [min, max, mean] = [distance.min, distance.max, distance.mean].map(plain);
@@ -90,7 +119,8 @@ fn write_inspection(text: &mut String, report: &Report, found: &Inspection) -> s
         writeln!(text, "  deviation min {min}  max {max}  mean {mean}  rms {rms}  sigma {sigma}")?;
     }
     if let Some(worst) = found.worst.first() {
-        writeln!(text, "  worst     {} at point {} (from 0)", plain(worst.distance), worst.index)?;
+        let name = quoted(worst.name.as_deref());
+        writeln!(text, "  worst     {} at point {} (from 0){name}", plain(worst.distance), worst.index)?;
     }
     write_end(text, report)
 }
@@ -99,8 +129,11 @@ fn write_registration(text: &mut String, report: &Report, found: &RegistrationRe
     let motion = &found.transform;
     writeln!(
         text,
-        "{} after {} steps: {} of {} points count",
-        motion.status, motion.iterations, motion.points_used, motion.points
+        "{} after {}: {} of {} used",
+        motion.status,
+        counted(motion.iterations, "step"),
+        motion.points_used,
+        counted(motion.points, "point")
     )?;
     writeln!(text, "  distance  rms {}  (at the start {})", plain(motion.rms), plain(motion.initial_rms))?;
     let [x, y, z] = motion.translation.map(plain);
@@ -118,11 +151,11 @@ fn write_registration(text: &mut String, report: &Report, found: &RegistrationRe
     let chosen = &found.starts[found.best_start];
     writeln!(
         text,
-        "  start     {} of {} ({}), {:.1} % of the points near the model",
+        "  start     {} of {} ({}), {} of the points near the model",
         found.best_start + 1,
         found.starts.len(),
         chosen.origin,
-        100.0 * chosen.share_near
+        percent_of_share(chosen.share_near, Rounding::Down)
     )?;
     write_end(text, report)
 }
@@ -134,11 +167,11 @@ fn write_views(text: &mut String, report: &Report, found: &ViewsResults) -> std:
     };
     writeln!(
         text,
-        "{} after {} steps: {} views, {} overlapping pairs, started from {}",
+        "{} after {}: {}, {}, started from {}",
         found.status,
-        found.iterations,
-        found.views.len(),
-        found.pairs.len(),
+        counted(found.iterations, "step"),
+        counted(found.views.len(), "view"),
+        counted(found.pairs.len(), "overlapping pair"),
         match found.start {
             "search" => "a search over all positions",
             "init" => "the poses of --init",
@@ -150,14 +183,14 @@ fn write_views(text: &mut String, report: &Report, found: &ViewsResults) -> std:
         let [i, j] = pair.views;
         writeln!(
             text,
-            "  pair      {} - {}: rms {} (before {}), {} points, overlap {:.0} % and {:.0} %",
+            "  pair      {} - {}: rms {} (before {}), {}, overlap {} and {}",
             name(i),
             name(j),
             plain(pair.rms_after),
             plain(pair.rms_before),
-            pair.count,
-            100.0 * pair.overlap[0],
-            100.0 * pair.overlap[1]
+            counted(pair.count, "point"),
+            percent_of_share(pair.overlap[0], Rounding::Down),
+            percent_of_share(pair.overlap[1], Rounding::Down)
         )?;
     }
     if found.components.len() > 1 {
@@ -172,11 +205,11 @@ fn write_views(text: &mut String, report: &Report, found: &ViewsResults) -> std:
 fn write_curve(text: &mut String, report: &Report, found: &CurveReport) -> std::fmt::Result {
     writeln!(
         text,
-        "{} curve of degree {} with {} control points after {} iterations ({})",
+        "{} curve of degree {} with {} after {} ({})",
         if found.closed { "closed" } else { "open" },
         found.degree,
-        found.controls,
-        found.iterations,
+        counted(found.controls, "control point"),
+        counted(found.iterations, "iteration"),
         found.status
     )?;
     writeln!(
@@ -188,7 +221,8 @@ fn write_curve(text: &mut String, report: &Report, found: &CurveReport) -> std::
     )?;
     if let (Some(share), Some(reached)) = (found.share_within, found.reached) {
         let verdict = if reached { "reached" } else { "NOT reached" };
-        writeln!(text, "  tolerance {verdict}: {:.4} % of the points within", 100.0 * share)?;
+        let share = percent_of_share(share, Rounding::Down);
+        writeln!(text, "  tolerance {verdict}: {share} of the points within")?;
     }
     if !found.crossings.is_empty() {
         writeln!(text, "  crossings {} (the curve crosses itself)", found.crossings.len())?;
@@ -201,24 +235,24 @@ fn write_parameters(text: &mut String, report: &Report, results: &ParameterResul
     let [around, along] = found.grid;
     writeln!(
         text,
-        "{}: a {} of {around} x {along} samples; {} of {} points count",
+        "{}: a {} of {around} x {along} samples; {} of {} used",
         found.status,
         found.shape.shape.name(),
         found.used,
-        found.points
+        counted(found.points, "point")
     )?;
     writeln!(text, "  shape     {}", found.shape.why)?;
     if found.views > 0 {
         let axis = &found.axis;
         writeln!(
             text,
-            "  axis      ({:.6}, {:.6}, {:.6}), {} views, {} of {} layers",
+            "  axis      ({:.6}, {:.6}, {:.6}), {}, {} of {}",
             axis.direction.x,
             axis.direction.y,
             axis.direction.z,
-            found.views,
+            counted(found.views, "view"),
             found.layers[0],
-            found.layers[1]
+            counted(found.layers[1], "layer")
         )?;
     }
     writeln!(
@@ -230,10 +264,10 @@ fn write_parameters(text: &mut String, report: &Report, results: &ParameterResul
     )?;
     writeln!(
         text,
-        "  surface   {} self-loops, {} crossovers; {:.1} % of the points have one closest point only",
-        found.defects.self_loops,
-        found.defects.crossovers,
-        100.0 * found.unique
+        "  surface   {}, {}; {} of the points have one closest point only",
+        counted(found.defects.self_loops, "self-loop"),
+        counted(found.defects.crossovers, "crossover"),
+        percent_of_share(found.unique, Rounding::Down)
     )?;
     if let Some(fit) = &results.fit {
         let [u, v] = fit.control_points;
@@ -260,18 +294,18 @@ fn write_parameters(text: &mut String, report: &Report, results: &ParameterResul
 }
 
 fn write_surface(text: &mut String, report: &Report, results: &SurfaceResults) -> std::fmt::Result {
-    let found = &results.fitted;
-    let fit = &found.fit;
+    let fit = &results.fit;
+    let insertions = results.runs.saturating_sub(1);
     writeln!(
         text,
-        "{} × {} control points after {} iterations ({}), {} insertions of knots",
-        found.controls[0],
-        found.controls[1],
-        fit.history.len(),
+        "{} × {} control points after {} ({}), {}",
+        results.control_points[0],
+        results.control_points[1],
+        counted(fit.iterations, "iteration"),
         fit.status,
-        found.runs - 1
+        counted(insertions, "change of the knots")
     )?;
-    let start = found.base.map_or("the surface given", |base| base.name());
+    let start = results.base.map_or("the surface given", |base| base.name());
     match &results.start {
         Some(from) => writeln!(text, "  start     {start}: {}", from.why)?,
         None => writeln!(text, "  start     {start}")?,
@@ -286,23 +320,23 @@ fn write_surface(text: &mut String, report: &Report, results: &SurfaceResults) -
             plain(least_squares)
         )?;
     }
-    write_distances(text, fit, found.share_within, found.within_tolerance)?;
-    write_folds(text, &found.folds)?;
+    write_distances(text, fit)?;
+    write_folds(text, &results.folds)?;
     write_end(text, report)
 }
 
 fn write_ruled(text: &mut String, report: &Report, found: &RuledResults) -> std::fmt::Result {
-    let (fit, [along, sections]) = (&found.fitted.fit, found.fitted.controls);
+    let (fit, [along, sections]) = (&found.fit, found.control_points);
     writeln!(
         text,
-        "{sections} sections of {along} control points after {} iterations ({}), {} surfaces fitted",
-        fit.history.len(),
+        "{sections} sections of {along} control points after {} ({}), {} fitted",
+        counted(fit.iterations, "iteration"),
         fit.status,
-        found.runs
+        counted(found.runs, "surface")
     )?;
     writeln!(text, "  start     {}", found.base.map_or("the surface given", |base| base.name()))?;
-    write_distances(text, fit, found.share_within, found.within_tolerance)?;
-    writeln!(text, "  rulings   {}", found.fitted.developability)?;
+    write_distances(text, fit)?;
+    writeln!(text, "  rulings   {}", found.developability)?;
     write_folds(text, &found.folds)?;
     write_end(text, report)
 }
@@ -310,23 +344,24 @@ fn write_ruled(text: &mut String, report: &Report, found: &RuledResults) -> std:
 fn write_subdivision(text: &mut String, report: &Report, found: &SubdivisionResults) -> std::fmt::Result {
     writeln!(
         text,
-        "control mesh of {} vertices ({} irregular) and {} triangles, {}, after {} iterations ({})",
+        "control mesh of {} vertices ({} irregular) and {} triangles, {}, after {} ({})",
         found.vertices,
         found.irregular,
         found.triangles,
         found.start,
-        found.fit.history.len(),
+        counted(found.fit.iterations, "iteration"),
         found.fit.status
     )?;
-    write_distances(text, &found.fit, found.share_within, found.within_tolerance)?;
+    write_distances(text, &found.fit)?;
     write_end(text, report)
 }
 
-fn write_distances(text: &mut String, fit: &FitReport, share: Option<f64>, holds: bool) -> std::fmt::Result {
+fn write_distances(text: &mut String, fit: &FitNumbers) -> std::fmt::Result {
     writeln!(text, "  distance  rms {}  max {}", plain(fit.rms), plain(fit.max))?;
-    if let Some(share) = share {
+    if let (Some(share), Some(holds)) = (fit.share_within, fit.within_tolerance) {
         let verdict = if holds { "reached" } else { "NOT reached" };
-        writeln!(text, "  tolerance {verdict}: {:.4} % of the points within", 100.0 * share)?;
+        let share = percent_of_share(share, Rounding::Down);
+        writeln!(text, "  tolerance {verdict}: {share} of the points within")?;
     }
     Ok(())
 }
@@ -334,7 +369,7 @@ fn write_distances(text: &mut String, fit: &FitReport, share: Option<f64>, holds
 fn write_folds(text: &mut String, folds: &Folds) -> std::fmt::Result {
     match folds.count() {
         0 => Ok(()),
-        count => writeln!(text, "  folds     in {count} of {} cells", folds.cells),
+        count => writeln!(text, "  folds     in {count} of {}", counted(folds.cells, "cell")),
     }
 }
 
@@ -346,9 +381,14 @@ fn write_end(text: &mut String, report: &Report) -> std::fmt::Result {
         timings.read, timings.build, timings.compute, timings.write
     )?;
     for output in &report.outputs {
-        writeln!(text, "  wrote     {} ({} bytes)", output.path.display(), output.bytes)?;
+        writeln!(text, "  wrote     {} ({})", output.path.display(), counted(output.bytes, "byte"))?;
     }
     Ok(())
+}
+
+/// A name behind what it names.
+fn quoted(name: Option<&str>) -> String {
+    name.map(|name| format!(" \"{name}\"")).unwrap_or_default()
 }
 
 /// A number with six decimals, or with an exponent where these would hide it.

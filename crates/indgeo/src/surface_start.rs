@@ -1,6 +1,7 @@
 //! Surfaces from clouds of which nothing is known: base surface, parameters, least squares, squared distances.
 
 use crate::report::Report;
+use crate::wording::counted;
 use industrial_geometry::cloud_param::{
     Error as ParameterError, FinishOutcome, FitOptions, ParameteriseOptions, ParameteriseReport, Shape,
     finish_fit_with_progress, finish_options, fit_parameters, parameterise,
@@ -74,11 +75,11 @@ impl Start {
     pub(crate) fn warn(&self, path: &Path, report: &mut Report) {
         let name = path.display();
         for (count, what) in [
-            (self.strays, "lie apart from the others"),
-            (self.beyond_ends, "lie beyond the ends of the base surface"),
+            (self.strays, "apart from the others"),
+            (self.beyond_ends, "beyond the ends of the base surface"),
         ] {
             if count > 0 {
-                report.warnings.push(format!("{name}: {count} points {what}; they do not count"));
+                report.warnings.push(format!("{name}: {} {what}: not used", counted(count, "point")));
             }
         }
         if self.doubtful {

@@ -4,12 +4,13 @@ use crate::error::Error;
 use crate::model::{Indexed, Model};
 use crate::points::Points;
 use crate::threads;
+use industrial_geometry::footpoint::Facing;
 use industrial_geometry::footpoint::{
-    CurveFootpoint, CurveProjector, Location, Multiplicity, ProjectionOptions, Status, SurfaceFootpoint,
-    SurfaceProjector,
+    self, CurveFootpoint, CurveProjector, Location, Mode, Multiplicity, ProjectionOptions, Status,
+    SurfaceFootpoint, SurfaceProjector,
 };
 use industrial_geometry::mesh::nalgebra::{Point3, Vector3};
-use industrial_geometry::mesh::{Feature, MeshFootpoint, MeshProjector};
+use industrial_geometry::mesh::{self, Feature, MeshFootpoint, MeshProjector};
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -23,8 +24,8 @@ pub(crate) struct Foot {
     pub(crate) point: [f64; 3],
     /// Distance, with a sign where the model gives one.
     pub(crate) distance: f64,
-    /// How much nearer another point could be at most; NaN where nothing was certified.
-    pub(crate) gap: f64,
+    /// No point of the model is nearer than this; NaN where nothing was certified.
+    pub(crate) lower_bound: f64,
     /// Parameters `u, v` on a surface, `t` and NaN on a curve, NaN on a mesh.
     pub(crate) parameter: [f64; 2],
     /// Index of the curve or surface in the file, 0 on a mesh.
@@ -45,7 +46,7 @@ impl Foot {
         Self {
             point: [f64::NAN; 3],
             distance: f64::NAN,
-            gap: f64::NAN,
+            lower_bound: f64::NAN,
             parameter: [f64::NAN; 2],
             shape: u32::MAX,
             triangle: u32::MAX,
@@ -53,6 +54,11 @@ impl Foot {
             location: "none",
             multiplicity: Multiplicity::Unknown,
         }
+    }
+
+    /// How much nearer another point could be at most; NaN where nothing was certified.
+    pub(crate) fn gap(&self) -> f64 {
+        self.distance.abs() - self.lower_bound
     }
 
     /// Whether there is a footpoint.
@@ -106,37 +112,85 @@ impl Target {
         }
     }
 
-    /// Projects all points; `path` is the file they came from.
+    /// Makes sure that the model has normals, with which those of the points can agree.
+    pub(crate) fn check_normals(&self, path: &Path) -> Result<(), Error> {
+        let what = match self {
+            Self::Space { curves: None, .. } => return Ok(()),
+            Self::Mesh(mesh) if mesh.topology().is_oriented() => return Ok(()),
+            Self::Mesh(_) => "neighbouring triangles disagree on the side of their normals",
+            Self::Plane(_) | Self::Space { .. } => "the model has curves, which have no normals",
+        };
+        Err(Error::content(
+            path,
+            what,
+            "leave out --max-angle, or give a model of surfaces or an oriented mesh",
+        ))
+    }
+
+    /// Projects all points; `path` is the file they came from. With an angle, in radians, only feet count whose normals are
+    /// within it of those of the points.
     pub(crate) fn project(
         &self,
         points: &Points,
         path: &Path,
         options: &ProjectionOptions,
+        max_angle: Option<f64>,
         progress: Progress<'_>,
     ) -> Result<Vec<Foot>, Error> {
+        let feet = self.search(points, path, options, max_angle, progress)?;
+        // Without a proof the bound of the library is 0, which says nothing.
+        let is_proven = options.mode == Mode::Certified || matches!(self, Self::Mesh(_));
+        let unproven = |foot: Foot| Foot { lower_bound: f64::NAN, ..foot };
+        Ok(if is_proven { feet } else { feet.into_iter().map(unproven).collect() })
+    }
+
+    fn search(
+        &self,
+        points: &Points,
+        path: &Path,
+        options: &ProjectionOptions,
+        max_angle: Option<f64>,
+        progress: Progress<'_>,
+    ) -> Result<Vec<Foot>, Error> {
+        let invalid = |source: footpoint::Error| Error::usage(source.to_string(), "choose another value");
+        let normals = points.normals.as_deref().zip(max_angle);
         match self {
             Self::Plane(curves) => {
                 let queries = points.in_plane(path)?;
-                let found = curves.project_many(&queries, options, progress);
+                let found = curves.project_many(&queries, options, progress).map_err(invalid)?;
                 drop(queries);
                 Ok(found.iter().map(|foot| curve_foot(foot, u32_index(foot.shape))).collect())
             }
             Self::Space { surfaces, curves } => {
                 let queries = points.in_space(path)?;
                 let on_surfaces = surfaces.as_deref().map(|(projector, indices)| {
-                    let found = projector.project_many(&queries, options, progress);
-                    found.iter().map(|foot| surface_foot(foot, indices)).collect::<Vec<_>>()
+                    let mut found = projector.project_many(&queries, options, progress).map_err(invalid)?;
+                    if let Some((normals, angle)) = normals {
+                        let restricted = |i: &usize| -> SurfaceFootpoint {
+                            let (nearest, facing) = (&found[*i], Facing::new(&normals[*i], angle));
+                            match facing {
+                                Ok(facing) => projector.facing_foot(&queries[*i], nearest, &facing, options),
+                                Err(_) => no_normal(nearest),
+                            }
+                        };
+                        let indices: Vec<usize> = (0..queries.len()).collect();
+                        let go_on = |_: usize, _: usize| ControlFlow::Continue(());
+                        if let Some(first) = found.first() {
+                            found = threads::map(&indices, first, &go_on, restricted);
+                        }
+                    }
+                    Ok::<_, Error>(found.iter().map(|foot| surface_foot(foot, indices)).collect::<Vec<_>>())
                 });
                 let on_curves = curves.as_deref().map(|(projector, indices)| {
-                    let found = projector.project_many(&queries, options, progress);
+                    let found = projector.project_many(&queries, options, progress).map_err(invalid)?;
                     let index =
                         |foot: &CurveFootpoint<3>| indices.get(foot.shape).copied().unwrap_or(u32::MAX);
-                    found.iter().map(|foot| curve_foot(foot, index(foot))).collect::<Vec<_>>()
+                    Ok::<_, Error>(found.iter().map(|foot| curve_foot(foot, index(foot))).collect::<Vec<_>>())
                 });
-                Ok(match (on_surfaces, on_curves) {
+                Ok(match (on_surfaces.transpose()?, on_curves.transpose()?) {
                     (Some(surfaces), Some(curves)) => {
                         let pairs = surfaces.into_iter().zip(curves);
-                        pairs.map(|(a, b)| nearer(a, b, options.tie_tolerance)).collect()
+                        pairs.map(|(a, b)| nearer(a, b, options)).collect()
                     }
                     (Some(feet), None) | (None, Some(feet)) => feet,
                     (None, None) => Vec::new(),
@@ -145,6 +199,12 @@ impl Target {
             Self::Mesh(mesh) => {
                 points.in_space(path)?;
                 let cancelled = Foot::none(Status::Cancelled);
+                if let Some((normals, angle)) = normals {
+                    let pairs: Vec<_> = points.positions.iter().zip(normals).collect();
+                    return Ok(threads::map(&pairs, &cancelled, progress, |(x, normal)| {
+                        facing_mesh_foot(mesh, x, normal, angle)
+                    }));
+                }
                 Ok(threads::map(&points.positions, &cancelled, progress, |x| mesh_foot(mesh, x)))
             }
         }
@@ -182,7 +242,7 @@ fn surface_foot(foot: &SurfaceFootpoint, indices: &[u32]) -> Foot {
     Foot {
         point: foot.point.into(),
         distance: foot.signed_distance,
-        gap: foot.gap(),
+        lower_bound: foot.lower_bound,
         parameter: foot.parameter,
         shape: indices.get(foot.shape).copied().unwrap_or(u32::MAX),
         triangle: u32::MAX,
@@ -203,7 +263,7 @@ fn curve_foot<const D: usize>(foot: &CurveFootpoint<D>, shape: u32) -> Foot {
     Foot {
         point,
         distance: foot.distance,
-        gap: foot.gap(),
+        lower_bound: foot.lower_bound,
         parameter: [foot.parameter, f64::NAN],
         shape,
         triangle: u32::MAX,
@@ -213,13 +273,37 @@ fn curve_foot<const D: usize>(foot: &CurveFootpoint<D>, shape: u32) -> Foot {
     }
 }
 
+/// The answer for a point without a normal, when that for any side is `nearest`.
+fn no_normal(nearest: &SurfaceFootpoint) -> SurfaceFootpoint {
+    let nan = f64::NAN;
+    match nearest.status {
+        Status::InvalidPoint | Status::Cancelled => *nearest,
+        _ => SurfaceFootpoint { status: Status::NoNormal, distance: nan, signed_distance: nan, ..*nearest },
+    }
+}
+
+fn facing_mesh_foot(mesh: &MeshProjector, x: &Point3<f64>, normal: &Vector3<f64>, angle: f64) -> Foot {
+    match Facing::new(normal, angle) {
+        Err(_) if x.coords.iter().all(|value| value.is_finite()) => Foot::none(Status::NoNormal),
+        Err(_) => Foot::none(Status::InvalidPoint),
+        Ok(facing) => match mesh.project_facing(x, facing.direction(), angle) {
+            Ok(None) => Foot::none(Status::NoMatchingFoot),
+            Ok(Some(found)) => of_mesh::<mesh::Error>(Ok(found.foot), x),
+            Err(error) => of_mesh(Err(error), x),
+        },
+    }
+}
+
 fn mesh_foot(mesh: &MeshProjector, x: &Point3<f64>) -> Foot {
-    let found: Result<MeshFootpoint, _> = mesh.project(x);
+    of_mesh(mesh.project(x), x)
+}
+
+fn of_mesh<E>(found: Result<MeshFootpoint, E>, x: &Point3<f64>) -> Foot {
     match found {
         Ok(foot) => Foot {
             point: foot.point.into(),
             distance: foot.signed_distance.unwrap_or(foot.distance),
-            gap: 0.0,
+            lower_bound: foot.distance,
             parameter: [f64::NAN; 2],
             shape: 0,
             triangle: u32_index(foot.triangle),
@@ -237,18 +321,23 @@ fn mesh_foot(mesh: &MeshProjector, x: &Point3<f64>) -> Foot {
     }
 }
 
-/// The nearer of two footpoints, `a` where both are as near; the gap counts what either could still hide.
-fn nearer(a: Foot, b: Foot, tie: f64) -> Foot {
+/// The nearer of two footpoints, `a` where both are as near; the bound is the lower one, since either could still hide more.
+fn nearer(a: Foot, b: Foot, options: &ProjectionOptions) -> Foot {
+    let tie = options.tie_tolerance;
     if !a.exists() || !b.exists() {
         return if a.exists() { a } else { b };
     }
     let (first, second) = if b.distance.abs() < a.distance.abs() { (b, a) } else { (a, b) };
-    let bound = (first.distance.abs() - first.gap).min(second.distance.abs() - second.gap);
+    let lower_bound = first.lower_bound.min(second.lower_bound);
     let is_tie = second.distance.abs() - first.distance.abs() <= tie * first.distance.abs()
         && (Vector3::from(first.point) - Vector3::from(second.point)).norm() > tie * first.distance.abs();
     let multiplicity = match first.multiplicity {
         Multiplicity::Unique if is_tie => Multiplicity::Tied,
         other => other,
     };
-    Foot { gap: first.distance.abs() - bound, multiplicity, ..first }
+    let hidden = second.status == Status::Uncertified
+        && lower_bound < first.distance.abs() * (1.0 - options.relative_gap)
+        && lower_bound < first.lower_bound;
+    let status = if hidden && first.status.is_converged() { Status::Uncertified } else { first.status };
+    Foot { lower_bound, multiplicity, status, ..first }
 }

@@ -31,8 +31,10 @@ pub(crate) struct ViewsResults {
 #[derive(Debug, Serialize)]
 pub(crate) struct ViewResult {
     /// The file that was read.
+    #[serde(serialize_with = "crate::report::lossy")]
     pub(crate) path: PathBuf,
     /// The file that was written.
+    #[serde(serialize_with = "crate::report::lossy")]
     pub(crate) moved: PathBuf,
     /// `x ↦ R x + t` from the file to the common frame, in homogeneous coordinates, by rows.
     pub(crate) matrix: [[f64; 4]; 4],

@@ -45,7 +45,7 @@
       bool measured = deviation == deviation && abs(deviation) < 3e38;
       bool over = deviation > limits.z, under = deviation < limits.x;
       float side = deviation >= limits.y ? limits.z - limits.y : limits.y - limits.x;
-      float share = clamp((deviation - limits.y) / side, -1.0, 1.0);
+      float share = deviation == limits.y ? 0.0 : clamp((deviation - limits.y) / side, -1.0, 1.0);
       if (bands > 0.5) share = sign(share) * (min(floor(abs(share) * 4.0), 3.0) + 0.5) / 4.0;
       float place = over ? 1.0 : under ? -1.0 : edge * share;
       bool isOut = measured && (over || under);

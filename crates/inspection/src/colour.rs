@@ -75,7 +75,9 @@ impl ColourScale {
             1.0
         } else if deviation < lower {
             -1.0
-        } else if deviation >= target {
+        } else if deviation == target {
+            0.0
+        } else if deviation > target {
             Self::LIMIT * ((deviation - target) / (upper - target)).min(1.0)
         } else {
             -Self::LIMIT * ((target - deviation) / (target - lower)).min(1.0)
@@ -96,6 +98,14 @@ mod tests {
         assert_eq!([scale.colour(-0.101), scale.colour(0.301)], [diverging(-1.0), diverging(1.0)]);
         assert_ne!(scale.colour(0.3), scale.colour(0.301));
         assert_eq!(scale.colour(f64::NAN), [150, 150, 150]);
+        // What is best has the colour of the middle, where it is a limit as well.
+        for (lower, upper) in [(0.0, 0.3), (-0.3, 0.0)] {
+            let scale = ColourScale::new(Tolerance::new(lower, upper).unwrap());
+            assert_eq!(
+                [lower, upper, 0.0].map(|d| scale.place(d)),
+                [lower, upper, 0.0].map(|d| d / 0.3 * 0.55)
+            );
+        }
     }
 
     /// Two deviations of different sign stay apart for the three kinds of colour blindness, here as lightness and blue

@@ -16,19 +16,25 @@ pub enum Outcome {
     BeyondBoundary,
     /// The line through the point does not meet the shape (within the largest distance).
     NoHit,
-    /// Distances are measured along the normals of the points, but this point has none.
+    /// The normal of the point is asked for, but it has none: it is zero or not finite.
     NoNormal,
-    /// The search for the footpoint did not converge. Such a point counts as out of tolerance.
+    /// The search ended without a footpoint. Such a point counts as out of tolerance.
     NotConverged,
     /// A coordinate is NaN or infinite.
     InvalidPoint,
     /// The run was cancelled before this point was treated.
     Cancelled,
+    /// No foot or crossing has a normal within the largest angle of the point's normal. Such a point counts as out of
+    /// tolerance.
+    NoMatchingFoot,
+    /// The deviation lies somewhere in an interval that crosses a limit of the tolerance, and no more is proven. Such a point
+    /// does not count as within the tolerance.
+    Undecided,
 }
 
 impl Outcome {
     /// All outcomes, in the order of their numbers in files.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 10] = [
         Self::Measured,
         Self::BeyondMaxDistance,
         Self::BeyondBoundary,
@@ -37,7 +43,15 @@ impl Outcome {
         Self::NotConverged,
         Self::InvalidPoint,
         Self::Cancelled,
+        Self::NoMatchingFoot,
+        Self::Undecided,
     ];
+
+    /// Whether such a point is judged: measured, or counted as not within the tolerance.
+    #[must_use]
+    pub fn is_judged(self) -> bool {
+        matches!(self, Self::Measured | Self::NotConverged | Self::NoMatchingFoot | Self::Undecided)
+    }
 
     /// The name used in files: `measured`, `beyond_max_distance`, …
     #[must_use]
@@ -51,6 +65,8 @@ impl Outcome {
             Self::NotConverged => "not_converged",
             Self::InvalidPoint => "invalid_point",
             Self::Cancelled => "cancelled",
+            Self::NoMatchingFoot => "no_matching_foot",
+            Self::Undecided => "undecided",
         }
     }
 }
@@ -80,6 +96,12 @@ pub enum Place {
 }
 
 impl Place {
+    /// Whether it is one of a mesh.
+    #[must_use]
+    pub fn is_on_mesh(self) -> bool {
+        matches!(self, Self::Face | Self::TriangleEdge | Self::Vertex)
+    }
+
     /// The name used in files: `interior`, `edge`, …
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -102,14 +124,14 @@ impl Place {
 pub struct Deviation {
     /// Whether the deviation counts.
     pub outcome: Outcome,
-    /// The footpoint: the closest point of the shape, or the one in which the line of projection meets it.
+    /// The footpoint: the closest point of the shape that counts, or the one in which the line of projection meets it.
     pub foot: Point3<f64>,
     /// Unit normal of the shape at the footpoint; zero where it has none.
     pub normal: Vector3<f64>,
     /// Length of the line of projection, positive on the side to which the normal points. Never negative where the
     /// shape has no sides (a mesh whose triangles disagree).
     pub distance: f64,
-    /// How much nearer another point of the shape could be at most.
+    /// How much nearer another point of the shape that counts could be at most.
     pub gap: f64,
     /// Parameters `(u, v)`; NaN on a mesh.
     pub parameter: [f64; 2],
@@ -119,8 +141,12 @@ pub struct Deviation {
     pub triangle: u32,
     /// Where the footpoint lies.
     pub place: Place,
+    /// Number of the edge or corner of the triangle on which it lies; 0 elsewhere.
+    pub corner: u8,
     /// Whether that is the boundary of an open shape.
     pub on_boundary: bool,
+    /// Whether a point of the shape that is nearer does not count, because its normal does not agree.
+    pub is_restricted: bool,
 }
 
 impl Deviation {
@@ -137,7 +163,9 @@ impl Deviation {
             shape: u32::MAX,
             triangle: u32::MAX,
             place: Place::None,
+            corner: 0,
             on_boundary: false,
+            is_restricted: false,
         }
     }
 

@@ -1,6 +1,7 @@
 //! How values are distributed: quantiles and histograms out of parts that can be merged.
 
 use crate::Error;
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 /// Bits of the mantissa that tell cells apart.
@@ -61,11 +62,8 @@ impl Distribution {
         match (&mut self.values, other) {
             (Values::Exact(keys), Values::Exact(more)) => *keys = merged(keys, more),
             (mine, other) => {
-                let mut cells: BTreeMap<i64, u64> = mine.cells().into_iter().collect();
-                for (cell, count) in other.cells() {
-                    *cells.entry(cell).or_default() += count;
-                }
-                *mine = Values::Cells(cells.into_iter().collect());
+                let (cells, more) = (mine.cells(), other.cells());
+                *mine = Values::Cells(merged_cells(&cells, &more));
             }
         }
         if matches!(&self.values, Values::Exact(keys) if keys.len() > self.limit) {
@@ -174,6 +172,25 @@ fn middle(cell: i64) -> f64 {
     if cell == 0 { 0.0 } else { value((cell << CUT_BITS) | 1 << (CUT_BITS - 1)) }
 }
 
+/// Two ascending lists of cells in one, in which each cell occurs once.
+fn merged_cells(a: &[(i64, u64)], b: &[(i64, u64)]) -> Vec<(i64, u64)> {
+    let mut out = Vec::with_capacity(a.len().max(b.len()));
+    let (mut i, mut j) = (0, 0);
+    while i < a.len() && j < b.len() {
+        let (left, right) = (a[i], b[j]);
+        out.push(match left.0.cmp(&right.0) {
+            Ordering::Less => left,
+            Ordering::Greater => right,
+            Ordering::Equal => (left.0, left.1 + right.1),
+        });
+        i += usize::from(left.0 <= right.0);
+        j += usize::from(right.0 <= left.0);
+    }
+    out.extend_from_slice(&a[i..]);
+    out.extend_from_slice(&b[j..]);
+    out
+}
+
 /// Two ascending lists in one.
 fn merged(a: &[i64], b: &[i64]) -> Vec<i64> {
     let mut out = Vec::with_capacity(a.len() + b.len());
@@ -213,6 +230,25 @@ mod tests {
         values = Distribution::new(5);
         values.extend([7.0]);
         assert_eq!(values.quantiles(&[0.0, 0.5, 1.0]), [7.0; 3]);
+    }
+
+    #[test]
+    fn the_limit_itself_is_kept_and_zeros_stay_zeros() {
+        let mut values = Distribution::new(3);
+        values.extend([1.0, 2.0]);
+        values.extend([-1.0]);
+        assert!(values.is_exact());
+        values.extend([0.0]);
+        assert!(!values.is_exact());
+        let mut zeros = Distribution::new(3);
+        zeros.extend([0.0, -0.0, 0.0, 0.0, 5e-324]);
+        assert_eq!((zeros.is_exact(), zeros.count()), (false, 5));
+        assert_eq!(zeros.quantiles(&[0.0, 0.5, 1.0]), [0.0; 3]);
+        // The neighbours of the cell of zero are none of its own.
+        let mut tiny = Distribution::new(1);
+        tiny.extend([-1e-300, 0.0, 1e-300]);
+        let quantiles = tiny.quantiles(&[0.0, 0.5, 1.0]);
+        assert!(quantiles[0] < -9e-301 && quantiles[1] == 0.0 && quantiles[2] > 9e-301, "{quantiles:?}");
     }
 
     #[test]

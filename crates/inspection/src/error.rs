@@ -38,14 +38,24 @@ pub enum Error {
         /// Third coordinate.
         z: f64,
     },
-    /// Distances are to be measured along the normals of the points, but there is not one normal per point.
-    #[error("measuring along the normals takes one normal per point, found {found} for {points} points")]
+    /// Distances are to be measured along the normals of the points, or to where normals agree, but there is not one normal per point.
+    #[error(
+        "measuring by the normals of the points takes one normal per point, found {found} for {points} points"
+    )]
     Normals {
         /// Number of normals.
         found: usize,
         /// Number of points.
         points: usize,
     },
+    /// Normals are to agree with those of curves, which have none that tells a side.
+    #[error("curves have no normals with which those of the points could agree; leave out the largest angle")]
+    FacingCurves,
+    /// Normals are to agree with those of a mesh whose triangles disagree among themselves.
+    #[error(
+        "neighbouring triangles disagree on the side of their normals, with which those of the points are to agree; orient the mesh, or leave out the largest angle"
+    )]
+    FacingUnoriented,
     /// Distances from curves are to be measured along given lines, which do not meet a curve in space.
     #[error("deviations from curves are measured along the shortest lines only")]
     AlongCurves,

@@ -268,6 +268,10 @@ mod tests {
         // Ties go to the even neighbour, unless a bit far below says otherwise.
         let tie = 2f64.powi(-53);
         assert_eq!(sum(&[1.0, tie]).value(), 1.0);
+        let odd = 1.0 + f64::EPSILON;
+        assert_eq!(sum(&[odd, tie]).value(), odd + f64::EPSILON);
+        assert_eq!(sum(&[-odd, -tie]).value(), -odd - f64::EPSILON);
+        assert_eq!(sum(&[odd, tie, -1e-300]).value(), odd);
         assert_eq!(sum(&[1.0, tie, 1e-300]).value(), 1.0 + f64::EPSILON);
         assert_eq!(sum(&[1.0, tie, -1e-300]).value(), 1.0);
         assert_eq!(sum(&[-1.0, -tie, -1e-300]).value(), -1.0 - f64::EPSILON);
@@ -308,5 +312,12 @@ mod tests {
         let digits = Digits::from(merged.clone());
         assert_eq!(ExactSum::try_from(digits.clone()), Ok(merged));
         assert!(ExactSum::try_from(Digits { first: DIGITS, ..digits }).is_err());
+        // Digits of files may hold carries, but none that sums of many of them could overflow.
+        for (digit, is_read) in [(1i64 << 48, true), ((1 << 48) + 1, false), (i64::MIN, false)] {
+            for digit in [digit, digit.saturating_neg()] {
+                let read = ExactSum::try_from(Digits { first: 70, digits: vec![digit] });
+                assert_eq!(read.is_ok(), is_read && digit != i64::MAX, "{digit}");
+            }
+        }
     }
 }

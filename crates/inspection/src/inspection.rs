@@ -1,6 +1,6 @@
 //! The result of an inspection.
 
-use crate::{Deviations, InspectionOptions, ShapeInfo, WorstPoint};
+use crate::{Deviations, InspectionOptions, Rounding, ShapeInfo, WorstPoint, percent};
 use std::collections::BTreeMap;
 use std::fmt;
 
@@ -12,7 +12,8 @@ pub struct Verdict {
     pub pass: bool,
     /// Points within the tolerance.
     pub within: u64,
-    /// Points that were judged: those measured, and those whose search did not converge.
+    /// Points that were judged: those measured, and those that are undecided, have no matching foot, or whose search did not
+    /// converge.
     pub judged: u64,
     /// `within / judged`; 0 without points.
     pub share: f64,
@@ -59,15 +60,18 @@ pub struct Inspection {
     pub shapes: Vec<ShapeDeviations>,
     /// The points with the largest absolute deviations, the largest first.
     pub worst: Vec<WorstPoint>,
-    /// No other point of the shape was nearer to a measured point by more than this. A length.
+    /// Number of measured points to which a point of the shape that does not count, because its normal does not agree, is nearer.
+    pub restricted: u64,
+    /// No other point of the shape that counts was nearer to a measured point by more than this. A length.
     pub largest_gap: f64,
 }
 
 impl fmt::Display for Inspection {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let verdict = if self.verdict.pass { "pass" } else { "fail" };
-        let Verdict { within, judged, share, .. } = self.verdict;
-        write!(f, "{verdict}: {within} of {judged} points within the tolerance ({:.4} %)", 100.0 * share)?;
+        let Verdict { within, judged, .. } = self.verdict;
+        let share = percent(within, judged, Rounding::Down);
+        write!(f, "{verdict}: {within} of {judged} points within the tolerance ({share})")?;
         if let Some(distance) = &self.total.distance {
             let (min, max) = (distance.min, distance.max);
             write!(

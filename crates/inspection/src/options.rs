@@ -3,6 +3,7 @@
 use crate::{Error, Tolerance};
 use footpoint::ProjectionOptions;
 use nalgebra::Vector3;
+use std::f64::consts::PI;
 
 /// Along which line a point is projected onto the nominal shape.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
@@ -27,6 +28,11 @@ pub struct InspectionOptions {
     pub min_share: f64,
     /// Along which line points are projected; default [`Along::Shortest`].
     pub along: Along,
+    /// Largest angle, in radians, between the normal of a point and that of the shape at a foot or crossing that counts;
+    /// `None` (default; JSON: `null`), and π, for no limit. A thin wall is then measured on the face that was scanned.
+    ///
+    /// Normals within a right angle of each other have a positive scalar product; one of exactly 0 is no longer within.
+    pub max_angle: Option<f64>,
     /// Points farther from the shape than this are counted, but not used; default infinite (JSON: `null`). A length.
     pub max_distance: f64,
     /// Whether points beyond the boundary of an open shape, whose footpoints lie on it, are counted, but not used;
@@ -50,6 +56,7 @@ impl InspectionOptions {
             tolerance,
             min_share: 1.0,
             along: Along::Shortest,
+            max_angle: None,
             max_distance: f64::INFINITY,
             drop_beyond_boundary: false,
             worst: 10,
@@ -68,6 +75,12 @@ impl InspectionOptions {
     #[must_use]
     pub fn with_along(self, along: Along) -> Self {
         Self { along, ..self }
+    }
+
+    /// Sets the largest angle between normals, in radians.
+    #[must_use]
+    pub fn with_max_angle(self, max_angle: f64) -> Self {
+        Self { max_angle: Some(max_angle), ..self }
     }
 
     /// Sets the distance beyond which points are not used.
@@ -113,10 +126,18 @@ impl InspectionOptions {
         if self.max_distance.is_nan() || self.max_distance <= 0.0 {
             return option("max_distance", self.max_distance, "it must be positive");
         }
+        if let Some(angle) = self.max_angle.filter(|angle| !(*angle > 0.0 && *angle <= PI)) {
+            return option("max_angle", angle, "it must be above 0 and at most π (180 degrees)");
+        }
         if let Along::Direction(direction) = self.along {
             unit(&Vector3::from(direction))?;
         }
         Ok(self.projection.validate()?)
+    }
+
+    /// The largest angle, where there is one.
+    pub(crate) fn angle_limit(&self) -> Option<f64> {
+        self.max_angle.filter(|angle| *angle < PI)
     }
 }
 

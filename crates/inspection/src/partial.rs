@@ -49,6 +49,8 @@ pub struct Partial {
     worst: WorstPoints,
     /// Bits of the largest gap.
     largest_gap: u64,
+    #[cfg_attr(feature = "serde", serde(default))]
+    restricted: u64,
 }
 
 impl Partial {
@@ -65,20 +67,38 @@ impl Partial {
             shapes: BTreeMap::new(),
             worst: WorstPoints::new(options),
             largest_gap: 0,
+            restricted: 0,
         })
     }
 
     /// Adds the points of a tile with their deviations; `first` is the index of its first point in the whole cloud.
     pub fn extend(&mut self, first: u64, points: &[Point3<f64>], deviations: &[Deviation]) {
-        self.points += deviations.len() as u64;
+        let indexed = || points.iter().zip(deviations).zip(first..);
+        self.add(|| indexed().map(|((point, deviation), index)| (index, point, deviation)));
+    }
+
+    /// Adds some of the points of a tile, with their indices in it, as [`Nominal::measure_each`](crate::Nominal::measure_each)
+    /// hands them over; `first` is the index of the first point of the tile in the whole cloud. Indices beyond the tile are
+    /// left out.
+    pub fn extend_with(&mut self, first: u64, points: &[Point3<f64>], measured: &[(usize, Deviation)]) {
+        self.add(|| {
+            measured.iter().filter_map(move |(index, deviation)| {
+                Some((first + *index as u64, points.get(*index)?, deviation))
+            })
+        });
+    }
+
+    fn add<'a, I: Iterator<Item = (u64, &'a Point3<f64>, &'a Deviation)>>(&mut self, all: impl Fn() -> I) {
         let mut measured: BTreeMap<u32, Vec<(f64, bool)>> = BTreeMap::new();
         let mut gap = f64::from_bits(self.largest_gap);
-        for deviation in deviations {
+        for (_, _, deviation) in all() {
+            self.points += 1;
             *self.outcomes.entry(deviation.outcome).or_default() += 1;
             if deviation.outcome == Outcome::Measured {
                 let list = measured.entry(deviation.shape).or_default();
                 list.push((deviation.distance, deviation.on_boundary));
                 gap = gap.max(deviation.gap);
+                self.restricted += u64::from(deviation.is_restricted);
             }
         }
         self.largest_gap = gap.to_bits();
@@ -86,7 +106,7 @@ impl Partial {
         for (shape, list) in measured {
             self.shapes.entry(shape).or_insert_with(|| Tally::new(limit)).extend(&list, &tolerance);
         }
-        self.worst.extend(first, points, deviations);
+        self.worst.extend(all());
     }
 
     /// Adds the result of another part.
@@ -110,6 +130,7 @@ impl Partial {
             }
         }
         self.worst.merge(&other.worst);
+        self.restricted += other.restricted;
         let gap = f64::from_bits(self.largest_gap).max(f64::from_bits(other.largest_gap));
         self.largest_gap = gap.to_bits();
         Ok(())
@@ -134,18 +155,18 @@ impl Partial {
             info: shapes.get(index as usize).cloned().unwrap_or_default(),
             deviations: tally.deviations(&options.tolerance),
         });
+        // All measured points are counted in `total`.
+        let unmeasured = Outcome::ALL.iter().filter(|o| o.is_judged() && **o != Outcome::Measured);
+        let judged = total.count + unmeasured.map(|outcome| count(*outcome)).sum::<u64>();
         Ok(Inspection {
-            verdict: Verdict::new(
-                total.within,
-                total.count + count(Outcome::NotConverged),
-                options.min_share,
-            ),
+            verdict: Verdict::new(total.within, judged, options.min_share),
             options: *options,
             points: self.points,
             outcomes: Outcome::ALL.iter().map(|outcome| (outcome.name(), count(*outcome))).collect(),
             total,
             shapes: per_shape.collect(),
             worst: self.worst.list(),
+            restricted: self.restricted,
             largest_gap: f64::from_bits(self.largest_gap),
         })
     }

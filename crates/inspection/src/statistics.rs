@@ -181,6 +181,18 @@ mod tests {
         assert_eq!((s.standard_deviation, s.mean_positive, s.mean_negative), (0.0, None, None));
         assert!(s.min.is_sign_positive());
         assert_eq!(Statistics::of([f64::NAN]), None);
+        // In cells, too, quantiles lie between the smallest and the largest value.
+        let mut moments = Moments::new(2);
+        moments.extend([1.0, 1.0, 1.0 + f64::EPSILON, 1.0]);
+        let s = moments.statistics().unwrap();
+        assert!(
+            !s.quantiles_exact && s.quantiles.iter().all(|q| (s.min..=s.max).contains(&q.value)),
+            "{s:?}"
+        );
+        let mut moments = Moments::new(2);
+        moments.extend([-1.0; 4]);
+        let s = moments.statistics().unwrap();
+        assert!(s.quantiles.iter().all(|q| q.value == -1.0), "{s:?}");
         // A small spread far from zero keeps its digits.
         let s = Statistics::of([1e9 + 1.0, 1e9 + 2.0, 1e9 + 3.0]).unwrap();
         assert_eq!((s.mean, s.variance, s.standard_deviation), (1e9 + 2.0, 1.0, 1.0));

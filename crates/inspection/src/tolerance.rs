@@ -44,7 +44,7 @@ impl Tolerance {
     /// The deviation that counts as perfect: zero if that is allowed, otherwise the middle.
     #[must_use]
     pub fn target(&self) -> f64 {
-        if self.lower < 0.0 && self.upper > 0.0 { 0.0 } else { 0.5 * self.lower + 0.5 * self.upper }
+        if self.lower <= 0.0 && self.upper >= 0.0 { 0.0 } else { 0.5 * self.lower + 0.5 * self.upper }
     }
 }
 
@@ -83,6 +83,11 @@ mod tests {
         assert_eq!(classes, [Class::Within, Class::Within, Class::Under, Class::Over, Class::Over]);
         assert_eq!(tolerance.target(), 0.0);
         assert_eq!(Tolerance::new(0.25, 0.75).unwrap().target(), 0.5);
+        // A limit of 0 allows 0, and nothing is better.
+        for (lower, upper) in [(0.0, 0.2), (-0.2, 0.0), (0.0, f64::INFINITY)] {
+            let tolerance = Tolerance::new(lower, upper).unwrap();
+            assert_eq!((tolerance.target(), tolerance.class(0.0)), (0.0, Class::Within), "{lower} {upper}");
+        }
         assert!(Tolerance::symmetric(0.0).is_err() && Tolerance::symmetric(f64::NAN).is_err());
         assert_eq!(Tolerance::symmetric(f64::INFINITY).unwrap().class(1e300), Class::Within);
     }

@@ -5,7 +5,7 @@ use nalgebra::Point3;
 use std::cmp::Ordering;
 
 /// A point with a large deviation.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct WorstPoint {
     /// Index of the point in the whole cloud, from 0.
@@ -18,6 +18,9 @@ pub struct WorstPoint {
     pub distance: f64,
     /// Index of the surface.
     pub shape: u32,
+    /// Its name, if the one who asked for the inspection knows and fills in one.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub name: Option<String>,
 }
 
 /// The same in bits, so that files keep each of them.
@@ -54,9 +57,12 @@ impl WorstPoints {
         Self { most: options.worst, kept: Vec::new() }
     }
 
-    /// Looks through the points of a tile; `first` is the index of its first point in the cloud.
-    pub(crate) fn extend(&mut self, first: u64, points: &[Point3<f64>], deviations: &[Deviation]) {
-        for ((point, deviation), index) in points.iter().zip(deviations).zip(first..) {
+    /// Looks through points with their indices in the cloud.
+    pub(crate) fn extend<'a>(
+        &mut self,
+        measured: impl Iterator<Item = (u64, &'a Point3<f64>, &'a Deviation)>,
+    ) {
+        for (index, point, deviation) in measured {
             if deviation.outcome == Outcome::Measured {
                 let [p, f] =
                     [point, &deviation.foot].map(|point| [point.x, point.y, point.z].map(f64::to_bits));
@@ -89,6 +95,7 @@ impl WorstPoints {
                 foot: [fx, fy, fz],
                 distance,
                 shape: kept.shape,
+                name: None,
             }
         };
         self.kept.iter().map(point).collect()

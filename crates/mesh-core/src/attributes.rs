@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::Error;
+use crate::{Error, TextField};
 
 /// One colour per point, with or without opacity.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -61,14 +61,16 @@ pub struct ScalarField {
     pub values: Vec<f64>,
 }
 
-/// Normals, colours and scalars of the points of a cloud or the vertices of a mesh.
+/// Normals, colours, scalars, names and other texts of the points of a cloud or the vertices of a mesh.
 ///
-/// Scalars keep the order in which they were added.
+/// Scalars and texts keep the order in which they were added.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Attributes {
     normals: Option<Vec<Vector3<f64>>>,
     colours: Option<Colours>,
     scalars: Vec<ScalarField>,
+    names: Option<TextField>,
+    texts: Vec<TextField>,
 }
 
 impl Attributes {
@@ -96,10 +98,31 @@ impl Attributes {
         self.scalars.iter().find(|field| field.name == name).map(|field| field.values.as_slice())
     }
 
-    /// Whether there is neither a normal nor a colour nor a scalar.
+    /// The names of the points, where they have some.
+    #[must_use]
+    pub const fn names(&self) -> Option<&TextField> {
+        self.names.as_ref()
+    }
+
+    /// Texts other than names, in the order in which they were added.
+    #[must_use]
+    pub fn texts(&self) -> &[TextField] {
+        &self.texts
+    }
+
+    /// Whether there is neither a normal nor a colour nor a scalar nor a text.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
-        self.normals.is_none() && self.colours.is_none() && self.scalars.is_empty()
+        self.normals.is_none()
+            && self.colours.is_none()
+            && self.scalars.is_empty()
+            && self.names.is_none()
+            && self.texts.is_empty()
+    }
+
+    /// Removes the normals and returns them.
+    pub fn take_normals(&mut self) -> Option<Vec<Vector3<f64>>> {
+        self.normals.take()
     }
 
     /// Sets or removes the normals.
@@ -110,6 +133,16 @@ impl Attributes {
     /// Sets or removes the colours.
     pub fn set_colours(&mut self, colours: Option<Colours>) {
         self.colours = colours;
+    }
+
+    /// Sets or removes the names of the points.
+    pub fn set_names(&mut self, names: Option<TextField>) {
+        self.names = names;
+    }
+
+    /// Adds a text other than the name.
+    pub fn push_text(&mut self, text: TextField) {
+        self.texts.push(text);
     }
 
     /// Adds a scalar.
@@ -135,7 +168,8 @@ impl Attributes {
     pub(crate) fn check(&self, points: usize) -> Result<(), Error> {
         let lengths = (self.normals.iter().map(|normals| ("normals", normals.len())))
             .chain(self.colours.iter().map(|colours| ("colours", colours.len())))
-            .chain(self.scalars.iter().map(|field| (field.name.as_str(), field.values.len())));
+            .chain(self.scalars.iter().map(|field| (field.name.as_str(), field.values.len())))
+            .chain(self.names.iter().chain(&self.texts).map(|field| (field.name(), field.len())));
         for (name, found) in lengths {
             if found != points {
                 return Err(Error::AttributeLength { name: name.to_owned(), found, expected: points });
@@ -153,7 +187,13 @@ impl Attributes {
         let scalars = (self.scalars.iter())
             .map(|field| ScalarField { name: field.name.clone(), values: select(&field.values, indices) })
             .collect();
-        Self { normals: self.normals.as_ref().map(|normals| select(normals, indices)), colours, scalars }
+        Self {
+            normals: self.normals.as_ref().map(|normals| select(normals, indices)),
+            colours,
+            scalars,
+            names: self.names.as_ref().map(|names| names.select(indices)),
+            texts: self.texts.iter().map(|field| field.select(indices)).collect(),
+        }
     }
 
     /// Drops the values of the points whose flag is false.
@@ -167,6 +207,7 @@ impl Attributes {
         for field in &mut self.scalars {
             retain(&mut field.values, keep);
         }
+        self.names.iter_mut().chain(&mut self.texts).for_each(|field| field.retain(keep));
     }
 }
 

@@ -1,6 +1,7 @@
 //! A bounding volume hierarchy over boxes, as a flat array ([Er05, ch. 6]).
 
 use nalgebra::Point;
+use std::ops::Range;
 
 /// Most items of a leaf.
 const LEAF_SIZE: usize = 4;
@@ -124,7 +125,18 @@ impl<const D: usize> Bvh<D> {
     /// Visits the places of items, nearest boxes first, as long as their boxes are not farther than the squared
     /// distance that `visit` returned last (it starts at infinity).
     #[inline]
-    pub(crate) fn nearest(&self, x: &Point<f64, D>, mut visit: impl FnMut(usize) -> f64) {
+    pub(crate) fn nearest(&self, x: &Point<f64, D>, visit: impl FnMut(usize) -> f64) {
+        self.nearest_where(x, |_| true, visit);
+    }
+
+    /// As [`Bvh::nearest`], without the nodes that `keeps` refuses.
+    #[inline]
+    pub(crate) fn nearest_where(
+        &self,
+        x: &Point<f64, D>,
+        keeps: impl Fn(usize) -> bool,
+        mut visit: impl FnMut(usize) -> f64,
+    ) {
         let mut limit = f64::INFINITY;
         let mut stack = [(0usize, 0.0f64); MAX_DEPTH + 1];
         let mut depth = 1;
@@ -137,13 +149,20 @@ impl<const D: usize> Bvh<D> {
             let mut node = &self.nodes[index];
             while node.count == 0 {
                 let children = &self.nodes[node.first..node.first + 2];
-                let distances = [children[0].bounds.distance_sq(x), children[1].bounds.distance_sq(x)];
+                let distance = |child: usize| {
+                    if keeps(node.first + child) {
+                        children[child].bounds.distance_sq(x)
+                    } else {
+                        f64::INFINITY
+                    }
+                };
+                let distances = [distance(0), distance(1)];
                 let near = usize::from(distances[1] < distances[0]);
-                if distances[1 - near] <= limit {
+                if distances[1 - near] <= limit && distances[1 - near] < f64::INFINITY {
                     stack[depth] = (node.first + 1 - near, distances[1 - near]);
                     depth += 1;
                 }
-                if distances[near] > limit {
+                if distances[near] > limit || distances[near] == f64::INFINITY {
                     break;
                 }
                 node = &children[near];
@@ -153,15 +172,35 @@ impl<const D: usize> Bvh<D> {
             }
         }
     }
+
+    /// A value per node, from those of its items or of its children.
+    pub(crate) fn gathered<T: Clone>(
+        &self,
+        empty: &T,
+        of_items: impl Fn(Range<usize>) -> T,
+        merged: impl Fn(&T, &T) -> T,
+    ) -> Vec<T> {
+        let mut values = vec![empty.clone(); self.nodes.len()];
+        // Children come after their parents.
+        for (index, node) in self.nodes.iter().enumerate().rev() {
+            values[index] = match node.count {
+                0 => merged(&values[node.first], &values[node.first + 1]),
+                count => of_items(node.first..node.first + count),
+            };
+        }
+        values
+    }
 }
 
 impl<const D: usize> Bvh<D> {
     /// Visits the places of items whose boxes meet the line through `origin` along `direction`, as long as they can do
-    /// so at `|t|` up to what `visit` returned last (it starts at infinity); nearer boxes tend to come first.
+    /// so at `|t|` up to what `visit` returned last (it starts at infinity); nearer boxes tend to come first. Nodes that
+    /// `keeps` refuses are left out.
     pub(crate) fn along_line(
         &self,
         origin: &Point<f64, D>,
         direction: &[f64; D],
+        keeps: impl Fn(usize) -> bool,
         mut visit: impl FnMut(usize) -> f64,
     ) {
         let mut limit = f64::INFINITY;
@@ -179,7 +218,8 @@ impl<const D: usize> Bvh<D> {
                 continue;
             }
             let mut children = [node.first, node.first + 1]
-                .map(|child| (child, self.nodes[child].bounds.nearest_on_line(origin, direction)));
+                .map(|child| (child, self.nodes[child].bounds.nearest_on_line(origin, direction)))
+                .map(|(child, near)| (child, near.filter(|_| keeps(child))));
             if children[0].1 < children[1].1 {
                 children.swap(0, 1);
             }

@@ -1,9 +1,12 @@
 //! Closest points on a triangle mesh.
 
+use std::sync::OnceLock;
+
 use nalgebra::{Point3, Vector3};
 
 use crate::bounds::is_finite;
 use crate::bvh::{Aabb, Bvh};
+use crate::normal_cone::NormalCone;
 use crate::pseudo_normal::PseudoNormals;
 use crate::topology::EdgeMap;
 use crate::triangle::{Feature, Triangle, TriangleFoot};
@@ -36,7 +39,8 @@ pub struct MeshFootpoint {
 /// Answers closest point queries on a mesh. Built once per mesh in O(n log n); a query takes O(log n) in practice.
 ///
 /// Triangles with a vertex that is not finite are left out ([`MeshProjector::skipped`]); degenerate ones act as the
-/// segments or points they are. Vertices at exactly the same position count as one. Answers do not depend on anything
+/// segments or points they are. Vertices that are one corner but for rounding
+/// count as one ([`TriangleMesh::weld`]). Answers do not depend on anything
 /// but mesh and point, so that queries may be spread over threads at will.
 #[derive(Debug, Clone)]
 pub struct MeshProjector {
@@ -46,10 +50,13 @@ pub struct MeshProjector {
     pub(crate) indices: Vec<u32>,
     corners: Vec<[u32; 3]>,
     neighbours: Vec<[u32; 3]>,
-    normals: PseudoNormals,
+    pub(crate) normals: PseudoNormals,
     topology: MeshTopology,
     skipped: usize,
-    meeting: f64,
+    pub(crate) meeting: f64,
+    /// Place of each triangle of the mesh, and the normals under each node; made when they are first asked for.
+    pub(crate) places: OnceLock<Vec<u32>>,
+    pub(crate) cones: OnceLock<Vec<NormalCone>>,
 }
 
 impl MeshProjector {
@@ -87,6 +94,8 @@ impl MeshProjector {
             triangles,
             indices,
             corners,
+            places: OnceLock::new(),
+            cones: OnceLock::new(),
         })
     }
 
@@ -121,8 +130,7 @@ impl MeshProjector {
         let Some((place, foot)) = self.nearest(x) else {
             return Err(Error::DistanceOverflow { x: x.x, y: x.y, z: x.z });
         };
-        let normal = (self.normals.at(place, foot.feature, &self.corners[place], &self.neighbours[place]))
-            .unwrap_or_else(|| self.gathered_normal(&foot.point));
+        let normal = self.pseudo_normal(place, foot.feature, &foot.point);
         let distance = foot.distance_sq.sqrt();
         let signed_distance =
             self.is_solid().then(|| if (x - foot.point).dot(&normal) < 0.0 { -distance } else { distance });
@@ -160,14 +168,20 @@ impl MeshProjector {
         best
     }
 
-    /// The pseudo-normal from all triangles that pass through a point, whatever their indices say.
-    fn gathered_normal(&self, point: &Point3<f64>) -> Vector3<f64> {
+    /// The pseudo-normal, not of unit length, at a point of a triangle.
+    pub(crate) fn pseudo_normal(&self, place: usize, feature: Feature, point: &Point3<f64>) -> Vector3<f64> {
+        (self.normals.at(place, feature, &self.corners[place], &self.neighbours[place]))
+            .unwrap_or_else(|| self.sum_at(point, |_| true))
+    }
+
+    /// The pseudo-normal from those triangles that pass through a point, whatever their indices say, and count.
+    pub(crate) fn sum_at(&self, point: &Point3<f64>, counts: impl Fn(usize) -> bool) -> Vector3<f64> {
         let limit = self.meeting * self.meeting;
         let mut sum = Vector3::zeros();
         self.bvh.nearest(point, |place| {
             let shape = &self.triangles[place];
             let foot = shape.closest(point);
-            if foot.distance_sq <= limit {
+            if foot.distance_sq <= limit && counts(place) {
                 sum += self.normals.share(place, shape, self.snapped(shape, &foot));
             }
             limit

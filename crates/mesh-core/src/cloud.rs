@@ -155,6 +155,11 @@ impl PointCloud {
         })
     }
 
+    /// Other positions with the attributes at the given indices, which must exist and be as many.
+    pub(crate) fn selected_at(&self, indices: &[u32], positions: Vec<Point3<f64>>) -> Self {
+        Self { positions, planar: self.planar, attributes: self.attributes.select(indices) }
+    }
+
     /// Drops the points whose flag is false, with their attributes; returns how many.
     ///
     /// # Errors

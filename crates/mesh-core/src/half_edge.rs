@@ -108,7 +108,7 @@ pub struct HalfEdgeMesh {
 }
 
 impl HalfEdgeMesh {
-    /// The connectivity of a mesh, in which vertices at exactly the same position count as one: the first of them.
+    /// The connectivity of a mesh, in which vertices that are one corner count as one: the first of them.
     #[must_use]
     pub fn new(mesh: &TriangleMesh) -> Self {
         Self::of(mesh.vertices().len(), &mesh.welded_triangles())

@@ -3,8 +3,8 @@
 //! A [`PointCloud`] holds positions and, per point, optional normals, colours and named scalars ([`Attributes`]);
 //! a [`TriangleMesh`] holds vertices with the same attributes and triangles that index them.
 //!
-//! - Closest points: [`MeshProjector`] on a mesh, with a sign where the mesh encloses a solid, [`Polyline`], and
-//!   [`CloudIndex`] for nearest neighbours in a cloud.
+//! - Closest points: [`MeshProjector`] on a mesh, or on those of its triangles that face a direction, with a sign where the
+//!   mesh encloses a solid, [`Polyline`], and [`CloudIndex`] for nearest neighbours in a cloud.
 //! - Normals and curvatures: [`estimate_normals`] and [`estimate_curvature`] of clouds, [`TriangleMesh::vertex_normals`]
 //!   and [`MeshCurvature`] of meshes.
 //! - Connectivity: [`HalfEdgeMesh`] with what is wrong with it, [`LoopScheme`] for subdivision surfaces, [`LoopSurface`] for
@@ -33,18 +33,22 @@ mod cloud;
 mod cloud_index;
 mod curvature;
 mod error;
+mod facing;
 mod half_edge;
 mod kd_tree;
 mod line_hit;
 mod loop_subdivision;
 mod mesh;
+mod normal_cone;
 mod normals;
 mod parallel;
 mod polyline;
 mod pseudo_normal;
 mod random;
 mod sampling;
+mod seams;
 mod spatial_order;
+mod texts;
 mod topology;
 mod triangle;
 mod weld;
@@ -59,10 +63,11 @@ pub use curvature::{
     estimate_frames,
 };
 pub use error::Error;
+pub use facing::FacingFootpoint;
 pub use half_edge::{Defects, HalfEdge, HalfEdgeMesh};
 pub use line_hit::LineHit;
 pub use loop_subdivision::{LimitJet, LimitPoint, LoopScheme, LoopSurface, Mask};
-pub use mesh::TriangleMesh;
+pub use mesh::{TriangleMesh, Weld};
 pub use nalgebra;
 pub use normals::{
     CloudNormals, NormalOptions, Normals, Orientation, estimate_normals, orient_consistently, orient_towards,
@@ -73,6 +78,7 @@ pub use sampling::{
     sample_poisson_disk, sample_uniform, sample_wide_triangles, statistical_outliers, voxel_downsample,
 };
 pub use spatial_order::spatial_order;
+pub use texts::TextField;
 pub use topology::MeshTopology;
 pub use triangle::Feature;
 pub use weld::VertexWelder;

@@ -45,6 +45,17 @@ impl MeshProjector {
         origin: &Point3<f64>,
         direction: &Vector3<f64>,
     ) -> Result<Option<LineHit>, Error> {
+        self.nearest_on_line_where(origin, direction, |_| true, |_| true)
+    }
+
+    /// The same among the nodes of the hierarchy and the triangles, by their places, that are kept.
+    pub(crate) fn nearest_on_line_where(
+        &self,
+        origin: &Point3<f64>,
+        direction: &Vector3<f64>,
+        keeps_node: impl Fn(usize) -> bool,
+        keeps: impl Fn(usize) -> bool,
+    ) -> Result<Option<LineHit>, Error> {
         if !is_finite(origin) {
             return Err(Error::NonFinitePoint { x: origin.x, y: origin.y, z: origin.z });
         }
@@ -57,8 +68,8 @@ impl MeshProjector {
         let line = Line::new(*origin, unit);
         let mut best: Option<(usize, Crossing)> = None;
         let mut limit = f64::INFINITY;
-        self.bvh.along_line(origin, &unit.into(), |place| {
-            if let Some(crossing) = line.crossing(&self.triangles[place]) {
+        self.bvh.along_line(origin, &unit.into(), keeps_node, |place| {
+            if let Some(crossing) = line.crossing(&self.triangles[place]).filter(|_| keeps(place)) {
                 let size = crossing.offset.abs();
                 let tied =
                     |best: &(usize, Crossing)| size == limit && self.indices[place] < self.indices[best.0];

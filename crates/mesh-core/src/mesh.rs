@@ -4,7 +4,18 @@ use nalgebra::{Point3, Vector3};
 
 use crate::bounds::is_finite;
 use crate::triangle::Triangle;
-use crate::{Attributes, BoundingBox, Error, MeshTopology, PointCloud, VertexWelder};
+use crate::{Attributes, BoundingBox, Error, MeshTopology, PointCloud, VertexWelder, seams};
+
+/// Which vertices of a mesh are one corner.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Weld {
+    /// For every vertex the first vertex that is the same corner; itself where there is none before it.
+    pub first: Vec<u32>,
+    /// Number of positions that were joined with another that differs from it by rounding.
+    pub joined: usize,
+    /// The largest difference of a coordinate between such positions.
+    pub largest_gap: f64,
+}
 
 /// Triangles over shared vertices, with attributes per vertex.
 ///
@@ -121,12 +132,74 @@ impl TriangleMesh {
         dropped
     }
 
-    /// For every vertex the first vertex at exactly the same position (itself where there is none before it).
+    /// Which vertices are one corner: those at exactly the same position (zeros of either sign are the same), and those
+    /// along open edges that differ by no more than the rounding of the coordinates.
     ///
     /// Files without shared vertices, such as STL, and files that repeat vertices for the sake of normals or texture
-    /// become connected when triangles are read through this map. Zeros of either sign are the same position.
+    /// become connected when triangles are read through this map. Rounding is 1e-9 of the diagonal;
+    /// for singles two units in the last place, or 1e-7 of the largest coordinate; one unit of the last decimal or digit
+    /// where the coordinates are written with 6 to 9 of them. Two open edges are joined where both ends agree; never so that a triangle loses its area, that two sides
+    /// of a thin sheet become one, or that more than two triangles meet. O(n log n).
+    ///
+    /// ```
+    /// use mesh_core::{TriangleMesh, nalgebra::Point3};
+    ///
+    /// let [a, b, c] = [Point3::new(0.0, 0.0, 0.0), Point3::new(1.0, 0.0, 0.0), Point3::new(0.0, 1.0, 0.0)];
+    /// let (d, e) = (Point3::new(1.0, 1.0, 0.0), Point3::new(0.0, 1.0, -2.5e-16));
+    /// let weld = TriangleMesh::new(vec![a, b, c, b, d, e], vec![[0, 1, 2], [3, 4, 5]])?.weld();
+    /// assert_eq!((weld.first, weld.joined), (vec![0, 1, 2, 1, 4, 2], 1));
+    /// # Ok::<(), mesh_core::Error>(())
+    /// ```
+    #[must_use]
+    pub fn weld(&self) -> Weld {
+        let first = self.equal_vertices();
+        let corners = |corners: &[u32; 3]| corners.map(|index| first[index as usize]);
+        let triangles: Vec<[u32; 3]> = self.triangles.iter().map(corners).collect();
+        match seams::join(self.vertices(), &triangles) {
+            None => Weld { first, joined: 0, largest_gap: 0.0 },
+            Some(joined) => Weld {
+                first: first.iter().map(|&vertex| joined.roots[vertex as usize]).collect(),
+                joined: joined.count,
+                largest_gap: joined.largest,
+            },
+        }
+    }
+
+    /// For every vertex the first vertex that is the same corner (itself where there is none before it), see
+    /// [`TriangleMesh::weld`].
     #[must_use]
     pub fn coincident_vertices(&self) -> Vec<u32> {
+        self.weld().first
+    }
+
+    /// The same mesh with one vertex per corner ([`TriangleMesh::weld`]), in the order of the first of each. Of copies
+    /// that differ by rounding the one with the smallest coordinates stays, since rounding errors stand beside zeros.
+    /// Of their attributes, those of the first.
+    #[must_use]
+    pub fn welded(&self) -> (Self, Weld) {
+        let weld = self.weld();
+        let size =
+            |vertex: u32| self.vertices()[vertex as usize].iter().map(|value| value.abs()).sum::<f64>();
+        let mut kept: Vec<u32> = (0u32..).take(self.vertices.len()).collect();
+        for (&first, vertex) in weld.first.iter().zip(0u32..) {
+            let best = &mut kept[first as usize];
+            *best = if size(vertex) < size(*best) { vertex } else { *best };
+        }
+        let mut numbers = vec![0u32; self.vertices.len()];
+        let firsts: Vec<u32> = (weld.first.iter().zip(0u32..))
+            .filter(|(first, vertex)| *first == vertex)
+            .map(|(_, v)| v)
+            .collect();
+        firsts.iter().zip(0u32..).for_each(|(&first, number)| numbers[first as usize] = number);
+        let positions = firsts.iter().map(|&first| self.vertices()[kept[first as usize] as usize]).collect();
+        let corner = |index: u32| numbers[weld.first[index as usize] as usize];
+        let triangles = self.triangles.iter().map(|corners| corners.map(corner)).collect();
+        let vertices = self.vertices.selected_at(&firsts, positions);
+        (Self { vertices, triangles }, weld)
+    }
+
+    /// For every vertex the first vertex at exactly the same position.
+    fn equal_vertices(&self) -> Vec<u32> {
         let mut welder = VertexWelder::with_capacity(self.vertices.len());
         let mut first = Vec::with_capacity(self.vertices.len());
         (self.vertices().iter().zip(0u32..))
@@ -147,13 +220,13 @@ impl TriangleMesh {
         MeshTopology::of(&self.triangles)
     }
 
-    /// Edges of the mesh when vertices at exactly the same position count as one.
+    /// Edges of the mesh when vertices that are one corner count as one ([`TriangleMesh::weld`]).
     #[must_use]
     pub fn welded_topology(&self) -> MeshTopology {
         MeshTopology::of(&self.welded_triangles())
     }
 
-    /// The triangles with every vertex replaced by the first one at the same position.
+    /// The triangles with every vertex replaced by the first one that is the same corner.
     pub(crate) fn welded_triangles(&self) -> Vec<[u32; 3]> {
         let welded = self.coincident_vertices();
         self.triangles.iter().map(|corners| corners.map(|index| welded[index as usize])).collect()
@@ -162,7 +235,7 @@ impl TriangleMesh {
     /// Sum of the areas of the triangles.
     #[must_use]
     pub fn area(&self) -> f64 {
-        self.area_vectors().map(|vector| 0.5 * vector.norm()).sum()
+        self.area_vectors().map(|vector| 0.5 * vector.norm()).fold(0.0, |sum, area| sum + area)
     }
 
     /// Enclosed volume; negative where the triangles are oriented inwards. Meaningful for closed meshes only.

@@ -59,6 +59,11 @@ impl PseudoNormals {
         }
     }
 
+    /// The unit normal of a triangle, zero without area.
+    pub(crate) fn face(&self, triangle: usize) -> &Vector3<f64> {
+        &self.faces[triangle]
+    }
+
     /// What a triangle adds to the pseudo-normal at a point that lies on it.
     pub(crate) fn share(&self, triangle: usize, shape: &Triangle, feature: Feature) -> Vector3<f64> {
         let angle = match feature {

@@ -57,7 +57,7 @@ impl<const D: usize> BsplineCurve<D> {
                 let mut a = SVector::zeros();
                 let mut w = 0.0;
                 for j in 0..=p {
-                    let b = row[j] * self.weight(first + j);
+                    let b = row[j] * self.factors().map_or(1.0, |w| w[first + j]);
                     a += self.control_points()[first + j] * b;
                     w += b;
                 }
@@ -104,7 +104,8 @@ impl BsplineSurface {
             for (j, row) in rows_v.iter().enumerate() {
                 let slot = &mut half[i * (q + 1) + j];
                 for l in 0..=q {
-                    let b = row[l] * self.weight(first_u + i, first_v + l);
+                    let b =
+                        row[l] * self.factors().map_or(1.0, |w| w[(first_u + i) * self.n_v() + first_v + l]);
                     slot.0 += self.control_point(first_u + i, first_v + l) * b;
                     slot.1 += b;
                 }

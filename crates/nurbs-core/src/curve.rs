@@ -1,5 +1,6 @@
 //! B-spline and NURBS curves.
 
+use crate::magnitude::{check_points, check_weights};
 use crate::{Break, CurveJet, Error, Interval, KnotVector, MAX_DEGREE, ParametricCurve, basis, rational};
 use nalgebra::SVector;
 
@@ -12,6 +13,8 @@ pub struct BsplineCurve<const D: usize> {
     knots: KnotVector,
     control_points: Vec<SVector<f64, D>>,
     weights: Option<Vec<f64>>,
+    /// The weights to be computed with, where they differ by a power of two from the given ones.
+    scaled: Option<Vec<f64>>,
 }
 
 impl<const D: usize> BsplineCurve<D> {
@@ -20,8 +23,9 @@ impl<const D: usize> BsplineCurve<D> {
     /// A periodic knot vector needs its last `p` control points (and weights) equal to the first `p`.
     ///
     /// # Errors
-    /// When the counts do not fit, a coordinate is not finite, a weight is not positive, or the
-    /// control points of a periodic curve do not repeat.
+    /// When the counts do not fit, a coordinate is not finite or beyond
+    /// [`MAX_COORDINATE`](crate::MAX_COORDINATE), a weight is not positive or smaller than another by more than
+    /// [`MAX_WEIGHT_RATIO`](crate::MAX_WEIGHT_RATIO), or the control points of a periodic curve do not repeat.
     pub fn new(
         knots: KnotVector,
         control_points: Vec<SVector<f64, D>>,
@@ -37,20 +41,21 @@ impl<const D: usize> BsplineCurve<D> {
             });
         }
         check_points(&control_points)?;
-        check_weights(weights.as_deref(), needed)?;
+        let scaled = check_weights(weights.as_deref(), needed)?;
         if knots.is_periodic() {
             let distinct = knots.distinct_count();
             let size = extent(&control_points);
             for first in 0..knots.degree() {
                 let index = distinct + first;
-                let gap = (control_points[index] - control_points[first]).norm();
-                let weight_gap = weights.as_ref().map_or(0.0, |w| (w[index] / w[first] - 1.0).abs());
+                let gap = (control_points[index] - control_points[first]).amax();
+                let weight_gap =
+                    scaled.as_ref().or(weights.as_ref()).map_or(0.0, |w| (w[index] / w[first] - 1.0).abs());
                 if gap > 1e-9 * size || weight_gap > 1e-9 {
                     return Err(Error::PeriodicControlPoint { index, first });
                 }
             }
         }
-        Ok(Self { knots, control_points, weights })
+        Ok(Self { knots, control_points, weights, scaled })
     }
 
     /// The Bézier curve of the given control points on `[0, 1]`.
@@ -86,6 +91,12 @@ impl<const D: usize> BsplineCurve<D> {
         self.weights.as_deref()
     }
 
+    /// The weights to be computed with: the given ones, but for a common factor.
+    #[inline]
+    pub(crate) fn factors(&self) -> Option<&[f64]> {
+        self.scaled.as_deref().or(self.weights.as_deref())
+    }
+
     /// The weight of control point `i` (1 for a polynomial curve).
     #[must_use]
     pub fn weight(&self, i: usize) -> f64 {
@@ -110,7 +121,7 @@ impl<const D: usize> BsplineCurve<D> {
         for (d, row) in rows.iter().enumerate() {
             for j in 0..=p {
                 let i = span - p + j;
-                let b = row[j] * self.weight(i);
+                let b = row[j] * self.factors().map_or(1.0, |w| w[i]);
                 a[d] += self.control_points[i] * b;
                 w[d] += b;
             }
@@ -178,22 +189,4 @@ pub(crate) fn extent<const D: usize>(points: &[SVector<f64, D>]) -> f64 {
         high = high.sup(p);
     }
     (high - low).max()
-}
-
-pub(crate) fn check_points<const D: usize>(points: &[SVector<f64, D>]) -> Result<(), Error> {
-    match points.iter().position(|p| p.iter().any(|c| !c.is_finite())) {
-        Some(index) => Err(Error::NonFiniteControlPoint { index }),
-        None => Ok(()),
-    }
-}
-
-pub(crate) fn check_weights(weights: Option<&[f64]>, needed: usize) -> Result<(), Error> {
-    let Some(weights) = weights else { return Ok(()) };
-    if weights.len() != needed {
-        return Err(Error::WeightCount { found: weights.len(), needed });
-    }
-    match weights.iter().position(|w| !(w.is_finite() && *w > 0.0)) {
-        Some(index) => Err(Error::Weight { index, value: weights[index] }),
-        None => Ok(()),
-    }
 }

@@ -55,7 +55,7 @@ impl<const D: usize> BsplineCurve<D> {
         let start = span + 1 - count;
         let points = &self.control_points()[start..][..count];
         let mut a = [SVector::<f64, D>::zeros(); 3];
-        let Some(weights) = self.weights() else {
+        let Some(weights) = self.factors() else {
             for j in 0..count {
                 for d in 0..3 {
                     let term = points[j] * rows[d][j];
@@ -87,7 +87,7 @@ impl<const D: usize> BsplineCurve<D> {
         let start = span + 1 - count;
         let points = &self.control_points()[start..][..count];
         let mut a = SVector::<f64, D>::zeros();
-        let Some(weights) = self.weights() else {
+        let Some(weights) = self.factors() else {
             for j in 0..count {
                 let term = points[j] * row[j];
                 a = if j == 0 { term } else { a + term };

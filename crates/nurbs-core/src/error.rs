@@ -114,6 +114,24 @@ pub enum Error {
         /// Index of the control point (row-major on surfaces).
         index: usize,
     },
+    /// A control point has a coordinate with which nothing can be computed any more.
+    #[error("control point {index} has the coordinate {value:?}; coordinates are allowed up to {max:e}: scale the shape down", max = crate::MAX_COORDINATE)]
+    Magnitude {
+        /// Index of the control point (row-major on surfaces).
+        index: usize,
+        /// The coordinate.
+        value: f64,
+    },
+    /// A weight is so much smaller than another that its control point would be lost in rounding errors.
+    #[error("weight {index} is {value:?} and the largest is {largest:?}; weights may differ by a factor of {max:e} at most", max = crate::MAX_WEIGHT_RATIO)]
+    WeightRatio {
+        /// Index of the weight (row-major on surfaces).
+        index: usize,
+        /// Its value.
+        value: f64,
+        /// The largest weight of the shape.
+        largest: f64,
+    },
     /// A weight is not a positive finite number.
     #[error("weight {index} is {value}; weights must be positive and finite")]
     Weight {

@@ -39,6 +39,7 @@ mod jet;
 mod knot_ops;
 mod knots;
 pub mod linear;
+pub mod magnitude;
 mod measure;
 mod modify;
 mod offset;
@@ -67,6 +68,7 @@ pub use fit::{
 pub use interval::Interval;
 pub use jet::{CurveJet, SurfaceJet};
 pub use knots::{KnotVector, MAX_DEGREE};
+pub use magnitude::{MAX_COORDINATE, MAX_WEIGHT_RATIO};
 pub use measure::{ArcLength, MEASURE_TOLERANCE, Measure, arc_length, area};
 pub use modify::Removal;
 pub use nalgebra;

@@ -1,6 +1,7 @@
 //! B-spline and NURBS surfaces.
 
-use crate::curve::{check_points, check_weights, extent, nearest_index};
+use crate::curve::{extent, nearest_index};
+use crate::magnitude::{check_points, check_weights};
 use crate::{Break, Error, Interval, KnotVector, MAX_DEGREE, ParametricSurface, SurfaceJet, basis, rational};
 use nalgebra::Vector3;
 
@@ -14,14 +15,18 @@ pub struct BsplineSurface {
     knots_v: KnotVector,
     control_points: Vec<Vector3<f64>>,
     weights: Option<Vec<f64>>,
+    /// The weights to be computed with, where they differ by a power of two from the given ones.
+    scaled: Option<Vec<f64>>,
 }
 
 impl BsplineSurface {
     /// A surface from its knots, control points (row-major, `u` outer) and, if rational, weights.
     ///
     /// # Errors
-    /// When the counts do not fit, a coordinate is not finite, a weight is not positive, or the net
-    /// of a periodic direction does not repeat its first `p` rows at the end.
+    /// When the counts do not fit, a coordinate is not finite or beyond
+    /// [`MAX_COORDINATE`](crate::MAX_COORDINATE), a weight is not positive or smaller than another by more than
+    /// [`MAX_WEIGHT_RATIO`](crate::MAX_WEIGHT_RATIO), or the net of a periodic direction does not repeat its first `p`
+    /// rows at the end.
     pub fn new(
         knots_u: KnotVector,
         knots_v: KnotVector,
@@ -41,8 +46,8 @@ impl BsplineSurface {
             });
         }
         check_points(&control_points)?;
-        check_weights(weights.as_deref(), needed)?;
-        let surface = Self { knots_u, knots_v, control_points, weights };
+        let scaled = check_weights(weights.as_deref(), needed)?;
+        let surface = Self { knots_u, knots_v, control_points, weights, scaled };
         surface.check_periodic()?;
         Ok(surface)
     }
@@ -51,8 +56,8 @@ impl BsplineSurface {
         let size = extent(&self.control_points);
         let (n_u, n_v) = (self.n_u(), self.n_v());
         let same = |index: usize, first: usize| {
-            let gap = (self.control_points[index] - self.control_points[first]).norm();
-            let weight_gap = self.weights.as_ref().map_or(0.0, |w| (w[index] / w[first] - 1.0).abs());
+            let gap = (self.control_points[index] - self.control_points[first]).amax();
+            let weight_gap = self.factors().map_or(0.0, |w| (w[index] / w[first] - 1.0).abs());
             if gap > 1e-9 * size || weight_gap > 1e-9 {
                 Err(Error::PeriodicControlPoint { index, first })
             } else {
@@ -128,6 +133,12 @@ impl BsplineSurface {
         self.weights.as_deref()
     }
 
+    /// The weights to be computed with: the given ones, but for a common factor.
+    #[inline]
+    pub(crate) fn factors(&self) -> Option<&[f64]> {
+        self.scaled.as_deref().or(self.weights.as_deref())
+    }
+
     /// The weight of `p_ij` (1 for a polynomial surface).
     #[must_use]
     pub fn weight(&self, i: usize, j: usize) -> f64 {
@@ -158,7 +169,9 @@ impl BsplineSurface {
                 for i in 0..=p {
                     for j in 0..=q {
                         let (row, column) = (span_u - p + i, span_v - q + j);
-                        let b = bu[k][i] * bv[l][j] * self.weight(row, column);
+                        let b = bu[k][i]
+                            * bv[l][j]
+                            * self.factors().map_or(1.0, |w| w[row * self.n_v() + column]);
                         a[k][l] += self.control_point(row, column) * b;
                         w[k][l] += b;
                     }

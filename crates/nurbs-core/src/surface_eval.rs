@@ -55,7 +55,7 @@ impl BsplineSurface {
             _ => return self.jet_general(span_u, span_v, u, v),
         };
         let bv = basis_fixed::jet::<One, M>(One, self.knots_v(), span_v, v);
-        if let Some(weights) = self.weights() {
+        if let Some(weights) = self.factors() {
             return self.jet_rational(weights, span_u, span_v, &bu, &bv);
         }
         // x and y fill a vector register of every x86-64 machine, z goes beside them.
@@ -130,7 +130,7 @@ impl BsplineSurface {
             let start = self.row_start(span_u, span_v, i);
             let mut r = [[0.0; 3]; 4];
             for j in 0..=self.degree_v() {
-                let w = self.weights().map_or(1.0, |w| w[start + j]);
+                let w = self.factors().map_or(1.0, |w| w[start + j]);
                 let p = self.control_points()[start + j] * w;
                 for (sum, x) in r.iter_mut().zip([p.x, p.y, p.z, w]) {
                     for k in 0..3 {
@@ -142,7 +142,7 @@ impl BsplineSurface {
                 add_orders(One, &mut a[c], &r[c], &[bu[0][i], bu[1][i], bu[2][i]]);
             }
         }
-        if self.weights().is_some() { rational_jet(&a) } else { jet_of_coordinates(&a[0], &a[1], &a[2]) }
+        if self.factors().is_some() { rational_jet(&a) } else { jet_of_coordinates(&a[0], &a[1], &a[2]) }
     }
 
     #[inline(always)]
@@ -171,7 +171,7 @@ impl BsplineSurface {
             let start = self.row_start(span_u, span_v, i);
             let points = &self.control_points()[start..][..M];
             let (mut r, mut rw) = (points[0], 1.0);
-            if let Some(weights) = self.weights() {
+            if let Some(weights) = self.factors() {
                 let weights = &weights[start..][..M];
                 (r, rw) = (r * weights[0] * bv[0], weights[0] * bv[0]);
                 for j in 1..M {
@@ -187,7 +187,7 @@ impl BsplineSurface {
             a += r * *b;
             w += rw * b;
         }
-        if self.weights().is_some() { a * (1.0 / w) } else { a }
+        if self.factors().is_some() { a * (1.0 / w) } else { a }
     }
 
     #[inline(always)]
@@ -207,14 +207,14 @@ impl BsplineSurface {
             let start = self.row_start(span_u, span_v, i);
             let (mut r, mut rw) = (Vector3::zeros(), 0.0);
             for j in 0..=self.degree_v() {
-                let weight = self.weights().map_or(1.0, |w| w[start + j]);
+                let weight = self.factors().map_or(1.0, |w| w[start + j]);
                 r += self.control_points()[start + j] * weight * bv[j];
                 rw += weight * bv[j];
             }
             a += r * bu[i];
             w += rw * bu[i];
         }
-        if self.weights().is_some() { a * (1.0 / w) } else { a }
+        if self.factors().is_some() { a * (1.0 / w) } else { a }
     }
 }
 

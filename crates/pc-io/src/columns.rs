@@ -73,6 +73,11 @@ pub(crate) fn is_position(name: &str) -> bool {
     POSITION.iter().any(|names| names.contains(&plain_name(name).as_str()))
 }
 
+/// Whether a name is that of the coordinate of an axis, 0 to 2.
+pub(crate) fn is_axis(name: &str, axis: usize) -> bool {
+    POSITION[axis].contains(&plain_name(name).as_str())
+}
+
 /// The names of coordinates that occur among `names`.
 pub(crate) fn names_a_position<'a>(names: impl Iterator<Item = &'a str> + Clone) -> bool {
     let has = |axis: usize| names.clone().any(|name| POSITION[axis].contains(&plain_name(name).as_str()));

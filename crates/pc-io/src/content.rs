@@ -3,7 +3,8 @@
 use mesh_core::{PointCloud, TriangleMesh};
 
 use crate::error::Location;
-use crate::{Error, Format, Model, Place, ReadReport};
+use crate::wording::counted;
+use crate::{Error, Format, Model, Place, ReadReport, Shape};
 
 /// Points, triangles, or curves and surfaces.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,9 +31,13 @@ impl Content {
     #[must_use]
     pub fn describe(&self) -> String {
         match self {
-            Self::Cloud(cloud) => format!("a cloud of {} points", cloud.len()),
-            Self::Mesh(mesh) => format!("a mesh of {} triangles", mesh.triangles().len()),
-            Self::Nurbs(model) => format!("{} NURBS curves and surfaces", model.shapes().len()),
+            Self::Cloud(cloud) => format!("a cloud of {}", counted(cloud.len(), "point")),
+            Self::Mesh(mesh) => format!("a mesh of {}", counted(mesh.triangles().len(), "triangle")),
+            Self::Nurbs(model) => match model.shapes() {
+                [Shape::Surface(_)] => "a NURBS surface".to_owned(),
+                [_] => "a NURBS curve".to_owned(),
+                shapes => format!("{} NURBS curves and surfaces", shapes.len()),
+            },
         }
     }
 

@@ -22,6 +22,8 @@ pub enum Format {
     Csv,
     /// Rows of numbers under a line with their count (Leica).
     Pts,
+    /// Grids of a scanner with their poses (Leica); read only.
+    Ptx,
     /// Wavefront OBJ.
     Obj,
     /// Stereolithography: ascii and binary.
@@ -36,8 +38,18 @@ pub enum Format {
 
 impl Format {
     /// All formats.
-    pub const ALL: [Self; 9] =
-        [Self::Ply, Self::Xyz, Self::Csv, Self::Pts, Self::Obj, Self::Stl, Self::Off, Self::Pcd, Self::Json];
+    pub const ALL: [Self; 10] = [
+        Self::Ply,
+        Self::Xyz,
+        Self::Csv,
+        Self::Pts,
+        Self::Ptx,
+        Self::Obj,
+        Self::Stl,
+        Self::Off,
+        Self::Pcd,
+        Self::Json,
+    ];
 
     /// The format with a file name extension (without dot, in upper or lower case).
     #[must_use]
@@ -45,8 +57,9 @@ impl Format {
         Some(match extension.to_ascii_lowercase().as_str() {
             "ply" => Self::Ply,
             "xyz" | "txt" | "asc" | "xy" => Self::Xyz,
-            "csv" => Self::Csv,
+            "csv" | "tsv" => Self::Csv,
             "pts" => Self::Pts,
+            "ptx" => Self::Ptx,
             "obj" => Self::Obj,
             "stl" => Self::Stl,
             "off" | "coff" | "noff" => Self::Off,
@@ -70,6 +83,7 @@ impl Format {
             Self::Xyz => "xyz",
             Self::Csv => "csv",
             Self::Pts => "pts",
+            Self::Ptx => "ptx",
             Self::Obj => "obj",
             Self::Stl => "stl",
             Self::Off => "off",
@@ -92,6 +106,7 @@ impl fmt::Display for Format {
             Self::Xyz => "XYZ",
             Self::Csv => "CSV",
             Self::Pts => "PTS",
+            Self::Ptx => "PTX",
             Self::Obj => "OBJ",
             Self::Stl => "STL",
             Self::Off => "OFF",
@@ -118,7 +133,7 @@ pub(crate) fn recognise(source: Source<'_>, hint: Option<Format>) -> Result<Form
         Error::unsupported(
             Place::Whole,
             "the format is recognised neither by the content nor by the extension",
-            "give a PLY, XYZ, CSV, PTS, OBJ, STL, OFF, PCD or NURBS JSON file",
+            "give a PLY, XYZ, CSV, PTS, PTX, OBJ, STL, OFF, PCD or NURBS JSON file",
         )
     })
 }
@@ -135,12 +150,14 @@ fn by_content(data: &[u8]) -> Option<Format> {
     if text.starts_with(b"{") {
         return Some(Format::Json);
     }
-    if crate::off::header(text).is_some() {
+    if crate::off::header(crate::off::without_comments(text)).is_some() {
         return Some(Format::Off);
     }
-    if text.len() >= 5 && text[..5].eq_ignore_ascii_case(b"solid") && mentions(head, &[b"facet", b"endsolid"])
-    {
+    if crate::stl::looks_like_text(head) {
         return Some(Format::Stl);
+    }
+    if crate::ptx::looks_like(head) {
+        return Some(Format::Ptx);
     }
     by_lines(head)
 }
@@ -149,9 +166,9 @@ fn by_content(data: &[u8]) -> Option<Format> {
 fn by_lines(head: &[u8]) -> Option<Format> {
     let mut first_row = None;
     let mut described = false;
-    for (_, line) in Lines::new(head).take(HEAD_LINES) {
+    for (place, (_, line)) in Lines::new(head).take(HEAD_LINES).enumerate() {
         let line = line.trim_ascii();
-        if line.is_empty() || line.starts_with(b"#") || line.starts_with(b"//") {
+        if line.is_empty() || line.starts_with(b"#") || line.starts_with(b"//") || line.starts_with(b"%") {
             described |= crate::xyz::looks_like_header(line);
             continue;
         }
@@ -162,26 +179,23 @@ fn by_lines(head: &[u8]) -> Option<Format> {
         if matches!(word, b"VERSION" | b"FIELDS" | b"COLUMNS") {
             return Some(Format::Pcd);
         }
-        let named = line.len() > word.len();
-        match word {
-            b"v" | b"vn" | b"vt" | b"f"
-                if named && number::starts_with_number(line[word.len()..].trim_ascii_start()) =>
-            {
+        let rest = line[word.len()..].trim_ascii_start();
+        match word.to_ascii_lowercase().as_slice() {
+            b"v" | b"vn" | b"vt" | b"vp" | b"f" if number::starts_with_number(rest) => {
                 return Some(Format::Obj);
             }
+            b"cstype" => return Some(Format::Obj),
             // Such a line may also be the header of a table; what follows decides.
             b"mtllib" | b"usemtl" | b"o" | b"g" | b"s" if mentions(head, &[b"\nv ", b"\rv ", b"\nv\t"]) => {
                 return Some(Format::Obj);
             }
             _ => {}
         }
-        if crate::xyz::looks_like_row(line) {
+        // At most one line, the header, comes before rows of numbers; names of columns may come later.
+        if crate::xyz::looks_like_row(line) && first_row.is_none_or(|row| row + 1 == place) {
             return Some(crate::xyz::format_of_row(line));
         }
-        // At most one line, the header, comes before the rows of a table.
-        if first_row.replace(()).is_some() {
-            return None;
-        }
+        first_row.get_or_insert(place);
     }
     (described && first_row.is_none()).then_some(Format::Xyz)
 }

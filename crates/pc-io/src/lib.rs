@@ -2,13 +2,16 @@
 //!
 //! | format | reading | writing |
 //! |---|---|---|
-//! | PLY | ascii and both byte orders, every type, lists, unknown elements | binary little endian doubles, or ascii |
-//! | XYZ, CSV, PTS | any separator, header or none, two or three coordinates | full precision |
-//! | OBJ | polygons, relative indices, colours | with normals and colours |
-//! | STL | ascii and binary | binary |
-//! | OFF | with normals and colours | with normals and colours |
+//! | PLY | ascii and both byte orders, every type, lists, texts, unknown elements | binary little endian doubles, or ascii |
+//! | XYZ, CSV, PTS | any separator and decimal sign, header or none, names of points, two or three coordinates | full precision |
+//! | PTX | several scans with poses | no |
+//! | OBJ | polygons, relative indices, colours; free-form curves and surfaces | with normals and colours |
+//! | STL | ascii and binary, corners joined that differ by rounding | binary |
+//! | OFF | with normals and colours, in free format | with normals and colours |
 //! | PCD | 0.5 to 0.7, ascii, binary and compressed | binary |
-//! | NURBS JSON | curves, surfaces, models | the same |
+//! | NURBS JSON | curves, surfaces, models; the JSON of geomdl | the same |
+//!
+//! `docs/formats.md` says what is read, written and left out in detail.
 //!
 //! The format is recognised by the content first, by the extension second. Whatever the bytes are, reading ends in an
 //! answer or in an [`Error`] that names the line or byte, and it never takes memory out of proportion to the file.
@@ -44,12 +47,14 @@ mod off;
 mod parsed;
 mod pcd;
 mod ply;
+mod ptx;
 mod read;
 mod report;
 mod shape;
 mod source;
 mod stl;
 mod unfinished;
+mod wording;
 mod write;
 mod xyz;
 
@@ -65,4 +70,5 @@ pub(crate) use read::not_points;
 pub use read::{read, read_bytes, read_cloud, read_from, read_mesh, read_model};
 pub use report::{ReadOptions, ReadReport, WriteOptions, WriteReport};
 pub use unfinished::{Unfinished, remove_unfinished};
-pub use write::{write, write_cloud, write_mesh, write_model};
+pub use write::{write, write_cloud, write_mesh, write_model, write_to};
+pub use xyz::write_text;

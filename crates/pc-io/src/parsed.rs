@@ -2,34 +2,65 @@
 
 use mesh_core::{PointCloud, TriangleMesh};
 
-use crate::{Error, Format};
+use crate::{Content, Error, Format, Model};
 
-/// Points, triangles and doubts, as read.
+/// Points, triangles, or curves and surfaces, and doubts, as read.
 #[derive(Debug)]
 pub(crate) struct Parsed {
     pub(crate) format: Format,
-    pub(crate) cloud: PointCloud,
-    /// Triangles; `None` in a format without any.
-    pub(crate) triangles: Option<Vec<[u32; 3]>>,
+    pub(crate) found: Found,
     pub(crate) warnings: Vec<String>,
 }
 
-/// A cloud, or a mesh where there are triangles (always in a format that knows nothing but triangles).
-pub(crate) enum CloudOrMesh {
+/// What a reader found.
+#[derive(Debug)]
+pub(crate) enum Found {
+    /// Points, of a format without triangles.
     Cloud(PointCloud),
-    Mesh(TriangleMesh),
+    /// Vertices and triangles; without triangles a cloud, except in a format that knows nothing but triangles.
+    Mesh(PointCloud, Vec<[u32; 3]>),
+    /// Curves and surfaces.
+    Model(Model),
 }
 
 impl Parsed {
-    pub(crate) fn into_shape(self) -> Result<(CloudOrMesh, Format, Vec<String>), Error> {
-        let is_mesh = |triangles: &Vec<_>| self.format == Format::Stl || !triangles.is_empty();
-        let shape = match self.triangles.filter(is_mesh) {
-            Some(triangles) => {
-                CloudOrMesh::Mesh(TriangleMesh::from_cloud(self.cloud, triangles).map_err(Error::shape)?)
+    pub(crate) const fn cloud(format: Format, cloud: PointCloud, warnings: Vec<String>) -> Self {
+        Self { format, found: Found::Cloud(cloud), warnings }
+    }
+
+    pub(crate) const fn mesh(
+        format: Format,
+        vertices: PointCloud,
+        triangles: Vec<[u32; 3]>,
+        warnings: Vec<String>,
+    ) -> Self {
+        Self { format, found: Found::Mesh(vertices, triangles), warnings }
+    }
+
+    pub(crate) const fn model(format: Format, model: Model, warnings: Vec<String>) -> Self {
+        Self { format, found: Found::Model(model), warnings }
+    }
+
+    pub(crate) fn into_content(self) -> Result<(Content, Format, Vec<String>), Error> {
+        let mut warnings = self.warnings;
+        let content = match self.found {
+            Found::Cloud(cloud) => Content::Cloud(cloud),
+            Found::Mesh(cloud, triangles) if triangles.is_empty() && self.format != Format::Stl => {
+                Content::Cloud(cloud)
             }
-            None => CloudOrMesh::Cloud(self.cloud),
+            Found::Mesh(cloud, triangles) => {
+                Content::Mesh(TriangleMesh::from_cloud(cloud, triangles).map_err(Error::shape)?)
+            }
+            Found::Model(model) => Content::Nurbs(model),
         };
-        Ok((shape, self.format, self.warnings))
+        match &content {
+            Content::Cloud(cloud) if cloud.is_empty() => warnings.push("the file holds no points".to_owned()),
+            Content::Mesh(mesh) if mesh.triangles().is_empty() => {
+                warnings.push("the file holds no triangles".to_owned());
+            }
+            _ => {}
+        }
+        Ok((content, self.format, warnings))
     }
 }
 

@@ -10,9 +10,8 @@ use mesh_core::{PointCloud, TriangleMesh};
 use crate::columns::NotPoints;
 use crate::content::{Content, Loaded};
 use crate::format::recognise;
-use crate::parsed::CloudOrMesh;
 use crate::source::{Source, decode_text};
-use crate::{Error, Format, Model, Place, ReadOptions, json, obj, off, pcd, ply, stl, xyz};
+use crate::{Error, Format, Model, Place, ReadOptions, json, obj, off, pcd, ply, ptx, stl, xyz};
 
 /// Reads a file, its format recognised by the content first and the extension second.
 ///
@@ -120,24 +119,18 @@ pub fn read_bytes(
     };
     let parsed = match format {
         Format::Ply => ply::read(source)?,
-        Format::Xyz | Format::Csv | Format::Pts => xyz::read(source)?,
+        Format::Xyz | Format::Csv | Format::Pts => xyz::read(source, options)?,
+        Format::Ptx => ptx::read(source)?,
         Format::Obj => obj::read(source)?,
         Format::Stl => stl::read(source)?,
         Format::Off => off::read(source)?,
         Format::Pcd => pcd::read(source)?,
-        Format::Json => {
-            let content = Content::Nurbs(json::read(source)?);
-            return Ok(content.into_loaded(Format::Json, Vec::new(), options.drop_non_finite));
-        }
+        Format::Json => json::read(source)?,
     };
-    let (shape, format, mut warnings) = parsed.into_shape()?;
+    let (content, format, mut warnings) = parsed.into_content()?;
     if let Some(hint) = hint.filter(|hint| *hint != format && !(hint.is_table() && format.is_table())) {
         warnings.push(format!("the name suggests {hint}, but the content is {format}"));
     }
-    let content = match shape {
-        CloudOrMesh::Cloud(cloud) => Content::Cloud(cloud),
-        CloudOrMesh::Mesh(mesh) => Content::Mesh(mesh),
-    };
     Ok(content.into_loaded(format, warnings, options.drop_non_finite))
 }
 

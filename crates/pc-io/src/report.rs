@@ -1,11 +1,12 @@
 //! What was read and written.
 
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use crate::Format;
+use crate::wording::counted;
 
 /// How files are read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -15,9 +16,19 @@ pub struct ReadOptions {
     pub drop_non_finite: bool,
     /// The format, if it is not to be recognised. Default: none.
     pub format: Option<Format>,
+    /// Whether commas in the numbers of tables are decimal signs where the file leaves that open: between blanks, or
+    /// before three digits everywhere. Default: no, such files are refused.
+    pub decimal_comma: bool,
 }
 
 impl ReadOptions {
+    /// Sets whether commas in numbers are decimal signs where the file leaves that open.
+    #[must_use]
+    pub const fn with_decimal_comma(mut self, decimal_comma: bool) -> Self {
+        self.decimal_comma = decimal_comma;
+        self
+    }
+
     /// Sets whether points that are not finite are dropped.
     #[must_use]
     pub const fn with_drop_non_finite(mut self, drop: bool) -> Self {
@@ -58,11 +69,21 @@ impl WriteOptions {
     }
 }
 
+/// Writes a path as text; what is not UTF-8 in it is replaced.
+fn lossy<S: Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(&path.to_string_lossy())
+}
+
+fn lossy_option<S: Serializer>(path: &Option<PathBuf>, serializer: S) -> Result<S::Ok, S::Error> {
+    path.as_ref().map(|path| path.to_string_lossy()).serialize(serializer)
+}
+
 /// What a file was found to hold.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[must_use]
 pub struct ReadReport {
     /// The file, where the bytes came from one.
+    #[serde(serialize_with = "lossy_option")]
     pub path: Option<PathBuf>,
     /// Its format.
     pub format: Format,
@@ -88,7 +109,8 @@ impl fmt::Display for ReadReport {
         write_counts(f, self.format, self.points, self.triangles, self.shapes)?;
         if self.non_finite > 0 {
             let fate = if self.dropped > 0 { "dropped" } else { "kept" };
-            write!(f, ", {} points are not finite ({fate})", self.non_finite)?;
+            let are = if self.non_finite == 1 { "is" } else { "are" };
+            write!(f, ", {} {are} not finite ({fate})", counted(self.non_finite, "point"))?;
         }
         write_warnings(f, &self.warnings)
     }
@@ -99,6 +121,7 @@ impl fmt::Display for ReadReport {
 #[must_use]
 pub struct WriteReport {
     /// The file.
+    #[serde(serialize_with = "lossy")]
     pub path: PathBuf,
     /// Its format.
     pub format: Format,
@@ -132,11 +155,11 @@ fn write_counts(
 ) -> fmt::Result {
     write!(f, "{format}")?;
     if shapes > 0 {
-        return write!(f, ", {shapes} NURBS shapes");
+        return write!(f, ", {}", counted(shapes, "NURBS shape"));
     }
-    write!(f, ", {points} points")?;
+    write!(f, ", {}", counted(points, "point"))?;
     if triangles > 0 {
-        write!(f, ", {triangles} triangles")?;
+        write!(f, ", {}", counted(triangles, "triangle"))?;
     }
     Ok(())
 }

@@ -1,9 +1,10 @@
 //! What the writers of single formats are given.
 
-use mesh_core::{Attributes, Colours, PointCloud};
+use mesh_core::{Attributes, Colours, PointCloud, TextField};
 use nalgebra::{Point3, Vector3};
 
 use crate::columns::is_reserved;
+use crate::wording::counted;
 
 /// Points, and triangles where there are any.
 #[derive(Debug, Clone, Copy)]
@@ -64,6 +65,35 @@ impl<'a> Shape<'a> {
         names
     }
 
+    /// Names of the points and other texts, with the names of their columns as they can be written into a header, none
+    /// of which is among `taken`.
+    pub(crate) fn texts(self, taken: &[String]) -> Vec<(String, &'a TextField)> {
+        let mut texts: Vec<(String, &TextField)> = Vec::new();
+        let names = self.attributes().names().into_iter();
+        for field in names.chain(self.attributes().texts()) {
+            let is_names = texts.is_empty() && self.attributes().names().is_some();
+            let plain = |letter: char| letter.is_alphanumeric() || letter == '_' || letter == '.';
+            let name: String =
+                field.name().chars().map(|letter| if plain(letter) { letter } else { '_' }).collect();
+            // Names are read back as such only under a name that says so.
+            let keeps =
+                if is_names { crate::xyz::is_label(&name) } else { !name.is_empty() && !is_reserved(&name) };
+            let name = if keeps {
+                name
+            } else if is_names {
+                "name".to_owned()
+            } else {
+                format!("text_{name}")
+            };
+            let is_free =
+                |name: &String| !taken.contains(name) && texts.iter().all(|(other, _)| other != name);
+            let numbered = || (2usize..).map(|number| format!("{name}_{number}")).find(|name| is_free(name));
+            let free = if is_free(&name) { Some(name.clone()) } else { numbered() };
+            texts.push((free.unwrap_or(name), field));
+        }
+        texts
+    }
+
     /// Tells which of the attributes a format does not hold.
     pub(crate) fn warn_of_loss(self, keeps: Keeps, warnings: &mut Vec<String>) {
         let mut lost = Vec::new();
@@ -78,8 +108,12 @@ impl<'a> Shape<'a> {
         if !keeps.scalars {
             lost.extend(self.attributes().scalars().iter().map(|field| format!("scalar {:?}", field.name)));
         }
+        if !keeps.texts {
+            lost.extend(self.attributes().names().map(|_| "names of the points".to_owned()));
+            lost.extend(self.attributes().texts().iter().map(|field| format!("text {:?}", field.name())));
+        }
         if !self.triangles.is_empty() && !keeps.triangles {
-            lost.push(format!("{} triangles", self.triangles.len()));
+            lost.push(counted(self.triangles.len(), "triangle"));
         }
         if !lost.is_empty() {
             warnings.push(format!("the format cannot hold and lost: {}", lost.join(", ")));
@@ -97,6 +131,7 @@ pub(crate) struct Keeps {
     pub(crate) colours: bool,
     pub(crate) opacity: bool,
     pub(crate) scalars: bool,
+    pub(crate) texts: bool,
     pub(crate) triangles: bool,
     pub(crate) plane: bool,
 }

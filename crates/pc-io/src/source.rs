@@ -118,7 +118,39 @@ pub(crate) fn quoted(text: &[u8]) -> String {
     format!("\"{}{dots}\"", shown.escape_debug())
 }
 
-/// Removes the byte order mark of UTF-8, and turns UTF-16 with a byte order mark into UTF-8.
+/// A name or label in UTF-8, else in the code page of Western Windows.
+pub(crate) fn decode_name(text: &[u8]) -> Cow<'_, str> {
+    // The characters 80 to 9f; the others are those of Latin 1.
+    const WINDOWS: [char; 32] = [
+        '€', '\u{81}', '‚', 'ƒ', '„', '…', '†', '‡', 'ˆ', '‰', 'Š', '‹', 'Œ', '\u{8d}', 'Ž', '\u{8f}',
+        '\u{90}', '‘', '’', '“', '”', '•', '–', '—', '˜', '™', 'š', '›', 'œ', '\u{9d}', 'ž', 'Ÿ',
+    ];
+    std::str::from_utf8(text).map_or_else(
+        |_| {
+            let letter = |&byte: &u8| match byte {
+                0x80..=0x9f => WINDOWS[usize::from(byte - 0x80)],
+                _ => char::from(byte),
+            };
+            Cow::Owned(text.iter().map(letter).collect())
+        },
+        Cow::Borrowed,
+    )
+}
+
+/// Whether text of two bytes per letter begins here, and in which order the bytes are, without a mark: letters of
+/// ASCII, of which more than a few are looked at.
+fn wide_order(data: &[u8]) -> Option<bool> {
+    let head = &data[..data.len().min(256)];
+    let pairs = || head.chunks_exact(2).map(|pair| [pair[0], pair[1]]);
+    let is_letter = |byte: u8| byte.is_ascii_graphic() || byte.is_ascii_whitespace();
+    let all = |letter: usize| pairs().all(|pair| pair[1 - letter] == 0 && is_letter(pair[letter]));
+    if head.len() < 16 {
+        return None;
+    }
+    all(0).then_some(true).or_else(|| all(1).then_some(false))
+}
+
+/// Removes the byte order mark of UTF-8, and turns UTF-16 into UTF-8.
 pub(crate) fn decode_text(data: &[u8]) -> Cow<'_, [u8]> {
     let wide = |bytes: &[u8], unit: fn([u8; 2]) -> u16| {
         let units = bytes.chunks_exact(2).map(|pair| unit([pair[0], pair[1]]));
@@ -130,7 +162,11 @@ pub(crate) fn decode_text(data: &[u8]) -> Cow<'_, [u8]> {
         [0xef, 0xbb, 0xbf, rest @ ..] => Cow::Borrowed(rest),
         [0xfe, 0xff, rest @ ..] => wide(rest, u16::from_be_bytes),
         [0xff, 0xfe, rest @ ..] => wide(rest, u16::from_le_bytes),
-        _ => Cow::Borrowed(data),
+        _ => match wide_order(data) {
+            Some(true) => wide(data, u16::from_le_bytes),
+            Some(false) => wide(data, u16::from_be_bytes),
+            None => Cow::Borrowed(data),
+        },
     }
 }
 
@@ -152,6 +188,9 @@ mod tests {
         assert_eq!(decode_text(b"\xfe\xff\0v\0 ").as_ref(), b"v ");
         assert_eq!(decode_text(b"\xff\xfev\0 \0\xe4\0").as_ref(), "v ä".as_bytes());
         assert_eq!(decode_text(b"\xef\xbb\xbfv").as_ref(), b"v");
+        let bare: Vec<u8> = b"v 1 2 3\nv 4".iter().flat_map(|&byte| [byte, 0]).collect();
+        assert_eq!(decode_text(&bare).as_ref(), b"v 1 2 3\nv 4");
+        assert_eq!(decode_name(b"H\xf6he \x80"), "Höhe €");
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Writing files of any format.
 
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 use mesh_core::{PointCloud, TriangleMesh};
@@ -24,10 +24,90 @@ pub fn write(
     content: &Content,
     options: &WriteOptions,
 ) -> Result<WriteReport, Error> {
+    write_content(Target::file(path.as_ref()), content, options)
+}
+
+/// Writes what was read to a stream, in the format of `options`; `name` stands for the file in messages and in the report, and
+/// its extension for the format where the options name none.
+///
+/// ```
+/// use pc_io::{Format, ReadOptions, WriteOptions, read_from, write_to};
+///
+/// let scan = read_from("1 2 3\n4 5 6\n".as_bytes(), "standard input", &ReadOptions::default())?;
+/// let mut text = Vec::new();
+/// let options = WriteOptions::default().with_format(Format::Csv);
+/// let written = write_to(&mut text, "standard output", &scan.content, &options)?;
+/// assert_eq!(text, b"x,y,z\n1,2,3\n4,5,6\n");
+/// assert_eq!((written.points, written.bytes), (2, 18));
+/// # Ok::<(), pc_io::Error>(())
+/// ```
+///
+/// # Errors
+/// As [`write()`].
+pub fn write_to(
+    mut stream: impl Write,
+    name: impl AsRef<Path>,
+    content: &Content,
+    options: &WriteOptions,
+) -> Result<WriteReport, Error> {
+    write_content(Target { path: name.as_ref(), stream: Some(&mut stream) }, content, options)
+}
+
+fn write_content(
+    target: Target<'_>,
+    content: &Content,
+    options: &WriteOptions,
+) -> Result<WriteReport, Error> {
     match content {
-        Content::Cloud(cloud) => write_cloud(path, cloud, options),
-        Content::Mesh(mesh) => write_mesh(path, mesh, options),
-        Content::Nurbs(model) => write_model(path, model, options),
+        Content::Cloud(cloud) => write_shape(target, Shape { cloud, triangles: &[] }, options),
+        Content::Mesh(mesh) => {
+            write_shape(target, Shape { cloud: mesh.cloud(), triangles: mesh.triangles() }, options)
+        }
+        Content::Nurbs(model) => write_nurbs(target, model, options),
+    }
+}
+
+/// Where something is written: a file, or a stream with a name.
+struct Target<'a> {
+    path: &'a Path,
+    stream: Option<&'a mut dyn Write>,
+}
+
+impl<'a> Target<'a> {
+    fn file(path: &'a Path) -> Self {
+        Self { path, stream: None }
+    }
+
+    /// Writes what `fill` says; a file appears whole or not at all. Returns the number of bytes.
+    fn fill(self, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<u64, Error> {
+        let path = self.path;
+        let failed = |source| Error::Io { path: path.to_path_buf(), action: "write", source };
+        let Some(stream) = self.stream else {
+            let mut file = AtomicFile::create(path)?;
+            fill(&mut file).map_err(failed)?;
+            return file.commit();
+        };
+        let mut out = BufWriter::new(Counted { out: stream, bytes: 0 });
+        fill(&mut out).and_then(|()| out.flush()).map_err(failed)?;
+        Ok(out.get_ref().bytes)
+    }
+}
+
+/// A writer that counts.
+struct Counted<W> {
+    out: W,
+    bytes: u64,
+}
+
+impl<W: Write> Write for Counted<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let count = self.out.write(bytes)?;
+        self.bytes += count as u64;
+        Ok(count)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
     }
 }
 
@@ -40,7 +120,7 @@ pub fn write_cloud(
     cloud: &PointCloud,
     options: &WriteOptions,
 ) -> Result<WriteReport, Error> {
-    write_shape(path.as_ref(), Shape { cloud, triangles: &[] }, options)
+    write_shape(Target::file(path.as_ref()), Shape { cloud, triangles: &[] }, options)
 }
 
 /// Writes a triangle mesh.
@@ -52,7 +132,11 @@ pub fn write_mesh(
     mesh: &TriangleMesh,
     options: &WriteOptions,
 ) -> Result<WriteReport, Error> {
-    write_shape(path.as_ref(), Shape { cloud: mesh.cloud(), triangles: mesh.triangles() }, options)
+    write_shape(
+        Target::file(path.as_ref()),
+        Shape { cloud: mesh.cloud(), triangles: mesh.triangles() },
+        options,
+    )
 }
 
 /// Writes NURBS curves and surfaces.
@@ -64,13 +148,17 @@ pub fn write_model(
     model: &Model,
     options: &WriteOptions,
 ) -> Result<WriteReport, Error> {
-    let path = path.as_ref();
+    write_nurbs(Target::file(path.as_ref()), model, options)
+}
+
+fn write_nurbs(target: Target<'_>, model: &Model, options: &WriteOptions) -> Result<WriteReport, Error> {
+    let path = target.path;
     let format = format_of(path, options)?;
     if format != Format::Json {
         let (what, advice) = ("NURBS curves and surfaces", "choose the extension json");
         return Err(Error::CannotHold { path: path.to_path_buf(), format, what, advice });
     }
-    let bytes = write_atomically(path, |out| json::write(out, model))?;
+    let bytes = target.fill(|out| json::write(out, model))?;
     let shapes = model.shapes().len();
     Ok(WriteReport {
         path: path.to_path_buf(),
@@ -83,7 +171,8 @@ pub fn write_model(
     })
 }
 
-fn write_shape(path: &Path, shape: Shape<'_>, options: &WriteOptions) -> Result<WriteReport, Error> {
+fn write_shape(target: Target<'_>, shape: Shape<'_>, options: &WriteOptions) -> Result<WriteReport, Error> {
+    let path = target.path;
     let format = format_of(path, options)?;
     let refuse = |what, advice| Err(Error::CannotHold { path: path.to_path_buf(), format, what, advice });
     if format == Format::Stl && shape.triangles.is_empty() && !shape.positions().is_empty() {
@@ -92,8 +181,11 @@ fn write_shape(path: &Path, shape: Shape<'_>, options: &WriteOptions) -> Result<
     if format == Format::Json {
         return refuse("points and triangles", "choose ply, stl, obj or off");
     }
+    if format == Format::Ptx {
+        return refuse("points that are not on the grid of a scanner", "choose pts, ply, csv or xyz");
+    }
     let mut warnings = Vec::new();
-    let bytes = write_atomically(path, |out| match format {
+    let bytes = target.fill(|out| match format {
         Format::Ply => ply::write(out, shape, options.ascii, &mut warnings),
         Format::Xyz => xyz::write_xyz(out, shape, &mut warnings),
         Format::Csv => xyz::write_csv(out, shape, &mut warnings),
@@ -103,7 +195,7 @@ fn write_shape(path: &Path, shape: Shape<'_>, options: &WriteOptions) -> Result<
         Format::Off => off::write(out, shape, &mut warnings),
         Format::Pcd => pcd::write(out, shape, &mut warnings),
         // Refused above.
-        Format::Json => Err(io::ErrorKind::Unsupported.into()),
+        Format::Json | Format::Ptx => Err(io::ErrorKind::Unsupported.into()),
     })?;
     let keeps_triangles = matches!(format, Format::Ply | Format::Obj | Format::Stl | Format::Off);
     Ok(WriteReport {
@@ -123,10 +215,4 @@ fn format_of(path: &Path, options: &WriteOptions) -> Result<Format, Error> {
         what: "the extension names no format that can be written".to_owned(),
         advice: "choose ply, xyz, csv, pts, obj, stl, off, pcd or json".to_owned(),
     })
-}
-
-fn write_atomically(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<u64, Error> {
-    let mut file = AtomicFile::create(path)?;
-    fill(&mut file).map_err(|source| Error::Io { path: path.to_path_buf(), action: "write", source })?;
-    file.commit()
 }

@@ -169,3 +169,16 @@ pub(crate) fn add_products(basis: &[f64], factors: &[f64], products: &mut [f64],
         sums.iter_mut().zip(&*products).for_each(|(sum, product)| *sum += factor * product);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn products_of_the_lower_triangle() {
+        let mut products = [0.0; 3];
+        let mut pairs = [1.0; 6];
+        add_products(&[1.0, 2.0], &[1.0, 3.0], &mut products, &mut pairs);
+        assert_eq!(pairs, [2.0, 3.0, 5.0, 4.0, 7.0, 13.0]);
+    }
+}

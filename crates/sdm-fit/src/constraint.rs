@@ -308,4 +308,58 @@ mod tests {
         assert!(matches!(Prepared::new(&twice, &mut places), Err(Error::Constraint { .. })));
         assert!(Prepared::new(&plane(f64::NAN), &mut places).is_err());
     }
+
+    #[test]
+    fn mirror_images_and_layers_move_as_little_as_possible() {
+        let mirror = Constraints::none().with_mirror(0, 1, Vector2::x(), 1.5);
+        let mut places = [Vector2::new(0.0, 0.0), Vector2::new(5.0, 2.0)];
+        Prepared::new(&mirror, &mut places).unwrap();
+        assert!((places[0] - Vector2::new(-1.0, 1.0)).norm() < 1e-12, "{places:?}");
+        assert!((places[1] - Vector2::new(4.0, 1.0)).norm() < 1e-12, "{places:?}");
+        // Heights 0, 3, 6 meet at their mean.
+        let layer = Constraints::none().with_parallel(&[0, 1, 2], Vector2::y());
+        let mut places = [0.0, 3.0, 6.0].map(|y| Vector2::new(y, y));
+        Prepared::new(&layer, &mut places).unwrap();
+        for (place, x) in places.iter().zip([0.0, 3.0, 6.0]) {
+            assert!((place - Vector2::new(x, 3.0)).norm() < 1e-12, "{places:?}");
+        }
+    }
+
+    #[test]
+    fn held_coefficients_stay_and_must_exist() {
+        let held = |i| Constraints::none().with_held(i, Vector2::new(1.0, 1.0));
+        let mut places = [Vector2::zeros(), Vector2::new(4.0, 5.0)];
+        let layer = held(0).with_parallel(&[0, 1], Vector2::y());
+        Prepared::new(&layer, &mut places).unwrap();
+        assert!((places[0] - Vector2::new(1.0, 1.0)).norm() == 0.0);
+        assert!((places[1] - Vector2::new(4.0, 1.0)).norm() < 1e-12, "{places:?}");
+        assert!(Prepared::new(&held(2), &mut places).is_err());
+    }
+
+    #[test]
+    fn nearly_dependent_conditions_hold_and_small_contradictions_are_found() {
+        let tilted = Vector2::new(0.01f64.cos(), 0.01f64.sin());
+        let mut both = Constraints::none().with_parallel(&[0, 1], tilted);
+        both.conditions
+            .push(LinearCondition { terms: vec![(1, Vector2::x()), (0, -Vector2::x())], value: 1.0 });
+        let mut places = [Vector2::zeros(), Vector2::zeros()];
+        Prepared::new(&both, &mut places).unwrap();
+        let expected = Vector2::new(1.0, -1.0 / 0.01f64.tan());
+        assert!((places[1] - places[0] - expected).norm() < 1e-8, "{places:?}");
+        let plane = |offset| Constraints::none().with_plane(0, Vector2::x(), offset);
+        let mut twice = plane(1.0);
+        twice.conditions.extend(plane(1.001).conditions);
+        assert!(Prepared::new(&twice, &mut [Vector2::new(0.0, 0.0)]).is_err());
+    }
+
+    #[test]
+    fn differences_follow_a_direction() {
+        let direction = Vector3::new(1.0, 2.0, 2.0);
+        let tangent = Constraints::none().with_direction(0, 1, &direction);
+        let mut places = [Vector3::zeros(), Vector3::new(9.0, 0.0, 0.0)];
+        Prepared::new(&tangent, &mut places).unwrap();
+        // The difference is projected onto the direction, each end moves by half.
+        assert!((places[1] - places[0] - direction).norm() < 1e-12, "{places:?}");
+        assert!((places[0] + places[1] - Vector3::new(9.0, 0.0, 0.0)).norm() < 1e-12, "{places:?}");
+    }
 }

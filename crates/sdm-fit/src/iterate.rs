@@ -41,6 +41,10 @@ const AGREE: f64 = 0.6;
 /// Share of the cost whose promise does not matter, and displacement as a share of the size that is nearly rounding.
 const MINOR: f64 = 1e-4;
 const ROUNDING: f64 = 1e-7;
+/// Root of a cost as a share of the size that is rounding of the distances, where nothing is left to be lowered.
+const NOTHING: f64 = 1e-14;
+/// Share of the cost up to which an iteration lowers it slowly; then what it gains at this rate does not become more.
+const SLOW: f64 = 0.1;
 /// Iterations in a row without a change of the cost after which the fit ends.
 const PATIENCE: usize = 3;
 
@@ -208,7 +212,7 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
                     return Ok(None);
                 }
                 let small = gain <= MINOR * cost || displacement <= self.options.tolerance.max(ROUNDING);
-                let small = small || cost.sqrt() <= ROUNDING * self.size * ROUNDING;
+                let small = small || cost.sqrt() <= NOTHING * self.size;
                 return Ok(Some(if small { Status::Converged } else { Status::Stalled }));
             }
         };
@@ -250,15 +254,27 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
         if self.options.abs_goal.is_some_and(|goal| rms <= goal) {
             return Ok(Some(Status::Converged));
         }
-        let still = (cost - trial.cost).abs() <= self.options.cost_tolerance * cost.abs();
+        let still = self.is_still(cost, trial.cost);
         self.quiet = if still { self.quiet + 1 } else { 0 };
         let full = trial.factor == 1.0 && self.damping == 0.0;
         let settled = self.schedule.is_settled();
         self.schedule.advance(answer);
-        if settled && (full && trial.displacement <= self.options.tolerance || self.quiet >= PATIENCE) {
+        let exact = trial.cost.sqrt() <= NOTHING * self.size;
+        let at_rest = full && trial.displacement <= self.options.tolerance || self.quiet >= PATIENCE;
+        if settled && (at_rest || exact) {
             return Ok(Some(Status::Converged));
         }
         Ok(None)
+    }
+
+    /// Whether an iteration has not changed the cost: as a share of it, or, where hardly anything is left of it, as the square of a
+    /// distance that is rounding. Without noise the cost has no floor to which its share could be measured: it falls on and on, always
+    /// more slowly, by what no data resolve.
+    fn is_still(&self, before: f64, after: f64) -> bool {
+        let change = (before - after).abs();
+        let rounding = ROUNDING * self.size;
+        change <= self.options.cost_tolerance * before.abs()
+            || change <= rounding * rounding && change <= SLOW * before.abs()
     }
 
     /// The factor of the energy that the data ask for.

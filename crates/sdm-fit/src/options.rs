@@ -119,7 +119,8 @@ pub struct FitOptions {
     pub max_iterations: usize,
     /// Stop when no coefficient moves by more than this share of the size of the shape; default 1e-10.
     pub tolerance: f64,
-    /// Stop when the cost changes by no more than this share in three iterations one after the other; default 1e-6.
+    /// Stop when the cost changes by no more than this share in three iterations one after the other; default 1e-6. So it does when the
+    /// cost falls slowly, by less than the square of 1e-7 of the size: that is rounding, on data without noise.
     pub cost_tolerance: f64,
     /// Stop when the root mean square distance is not above this; default none.
     pub abs_goal: Option<f64>,

@@ -51,6 +51,7 @@ pub struct FitReport {
     /// Number of samples: data points or sensor points.
     pub samples: usize,
     /// Number of those that count at the end.
+    #[cfg_attr(feature = "serde", serde(rename = "points_used"))]
     pub used: usize,
     /// Every iteration.
     pub history: Vec<StepRecord>,

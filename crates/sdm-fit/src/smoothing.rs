@@ -267,3 +267,59 @@ fn sign(state: &mut u64) -> f64 {
     *state ^= *state << 17;
     if *state & (1 << 40) == 0 { 1.0 } else { -1.0 }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_continuation_arrives_at_its_floor() {
+        let mut schedule = Schedule::new(Smoothing::Continuation { start: 1.0, factor: 0.1, floor: 0.0 });
+        for _ in 0..15 {
+            schedule.advance(Answer::NotAsked);
+        }
+        assert!(!schedule.is_settled() && (schedule.lambda / 1e-15 - 1.0).abs() < 1e-9);
+        for _ in 0..3 {
+            schedule.advance(Answer::NotAsked);
+        }
+        assert!(schedule.is_settled() && schedule.lambda == 0.0);
+    }
+
+    #[test]
+    fn the_data_are_asked_until_they_agree_three_times() {
+        let mut schedule = Schedule::new(Smoothing::Automatic { start: 1.0, factor: 0.5 });
+        for _ in 0..2 {
+            assert!(!schedule.asks());
+            schedule.advance(Answer::NotAsked);
+        }
+        assert!(schedule.asks() && schedule.lambda == 0.25);
+        // A step of more than the factor at once is not taken, and the data are not asked on the way.
+        schedule.advance(Answer::Wanted(0.01));
+        assert!(schedule.lambda == 0.125 && !schedule.asks());
+        schedule.advance(Answer::NotAsked);
+        assert!(schedule.lambda == 0.0625 && schedule.asks());
+        // 1.5 times is not the same, 1.2 times is.
+        schedule.advance(Answer::Wanted(0.0625 / 1.5));
+        schedule.advance(Answer::Wanted(0.05));
+        assert!(schedule.lambda == 0.05);
+        schedule.advance(Answer::Wanted(0.05));
+        assert!(schedule.asks() && !schedule.is_settled());
+        schedule.advance(Answer::Wanted(0.05));
+        assert!(!schedule.asks() && schedule.is_settled());
+    }
+
+    #[test]
+    fn the_largest_factor_that_is_as_good() {
+        let score = |lambda, value, variance| Score { lambda, value, variance };
+        let found = |variance, share, least| {
+            let scores = [score(1.0, 2.0, 0.0), score(0.1, 1.0, variance), score(0.01, 1.5, 1.0)];
+            best(&scores, Slack { share, least }).unwrap()
+        };
+        assert!((found(0.1, 0.0, 0.0) - 0.1).abs() < 1e-15);
+        // Half of what noise leaves, at most a tenth, at least what the estimate does not know.
+        assert!((found(0.1, 0.5, 0.0) - 0.1 * 10f64.powf(0.05)).abs() < 1e-12);
+        assert!((found(10.0, 0.5, 0.0) - 0.1 * 10f64.powf(0.1)).abs() < 1e-12);
+        assert!((found(0.1, 0.0, 0.02) - 0.1 * 10f64.powf(0.02)).abs() < 1e-12);
+        assert!(best(&[], Slack { share: 0.0, least: 0.0 }).is_none());
+    }
+}

@@ -7,7 +7,7 @@ use cloud_param::{
     AxisChoice, BaseCurveOptions, ClosedCurve, CurveOptions, DirectedOptions, DirectedWeight, LayerCurve,
     Neighbourhood, Turntable, base_curves, estimate_axis, grid_of_curves, project_curves,
 };
-use footpoint::{ProjectionOptions, SurfaceProjector, no_progress};
+use footpoint::SurfaceProjector;
 use nalgebra::Vector3;
 use std::error::Error;
 use std::f64::consts::TAU;
@@ -145,8 +145,7 @@ fn surface_rms(
         .filter(|p| (low..=high).contains(&table.frame.to_local(p).z))
         .copied()
         .collect();
-    let feet =
-        SurfaceProjector::new(&surface).project_many(&inside, &ProjectionOptions::default(), &no_progress);
+    let feet = SurfaceProjector::new(&surface).project_all(&inside);
     Ok((feet.iter().map(|f| f.distance.powi(2)).sum::<f64>() / feet.len().max(1) as f64).sqrt())
 }
 

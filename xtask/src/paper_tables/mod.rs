@@ -16,7 +16,7 @@ use compute::Table;
 const DOCUMENT: &str = "docs/paper-tables.md";
 
 /// Prints the tables and writes [`DOCUMENT`]; with `--check` fails if it is out of date. Fails in any case
-/// if a number that is not listed as a misprint differs, or a listed one does not.
+/// if a printed number does not relate to the computed one as is listed: equal, cut off, or a misprint.
 pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     let check = generated::is_check(arguments)?;
     let tables =
@@ -58,27 +58,27 @@ fn disagreements(tables: &[Table]) -> Vec<String> {
         for block in &table.blocks {
             for row in &block.rows {
                 for (i, (&step, printed)) in row.computed.iter().zip(row.printed).enumerate() {
-                    let computed = digits::two_digits(step);
-                    if (computed == printed.text) == printed.misprint {
+                    if digits::of_step(step, printed.text) != printed.relation {
                         let (label, k) = (&row.label, block.steps[i]);
                         found.push(format!(
-                            "Table {}, {}, {label}, step {k}: printed {}{}, computed {computed}",
+                            "Table {}, {}, {label}, step {k}: printed {} (listed as `{}`), computed {}",
                             table.number,
                             block.title,
                             printed.text,
-                            if printed.misprint { " (listed as a misprint)" } else { "" }
+                            printed.relation.mark(),
+                            digits::four_digits(step)
                         ));
                     }
                 }
             }
             for solution in &block.solutions {
                 let Some(printed) = solution.printed else { continue };
-                let computed = render::as_many_decimals(solution.computed, printed.text);
-                if (computed == printed.text) == printed.misprint {
+                if digits::of_decimals(solution.computed, printed.text) != printed.relation {
                     let (number, title, name) = (table.number, &block.title, solution.name);
-                    let text = printed.text;
+                    let (text, mark) = (printed.text, printed.relation.mark());
+                    let computed = solution.computed;
                     found.push(format!(
-                        "Table {number}, {title}, {name}: printed {text}, computed {computed}"
+                        "Table {number}, {title}, {name}: printed {text} (listed as `{mark}`), computed {computed}"
                     ));
                 }
             }

@@ -1,7 +1,7 @@
 //! The tables as Markdown.
 
 use super::compute::{Block, Row, Table};
-use super::digits::{four_digits, two_digits};
+use super::digits::{Relation, decimals, four_digits, of_decimals, of_step, two_digits};
 use std::fmt::Write as _;
 
 const HEAD: &str = "\
@@ -10,10 +10,14 @@ const HEAD: &str = "\
 Written by `cargo xtask paper-tables`, which computes every number with the `footpoint` crate, and Table 6 with
 `sdm-register`.
 
-A step is rounded to 10 decimals and then to 2 significant digits, as in the paper. Under each printed
-number stands the computed one, marked `=` where they agree. A number marked `misprint` is one that the
-iteration described by the table cannot have produced; the value that it does produce is given with more
-digits.
+Under each printed number stands the computed one:
+
+- `=`: the printed number is the computed value rounded to its digits, or rounded to 10 decimals and
+  then to its digits;
+- `cut off`: it is the computed value cut off after its digits;
+- `misprint`: it is neither, so the iteration described by the table cannot have produced it.
+
+Where they differ, the computed value is given with more digits.
 
 - Tables 1 to 3 are reproduced by [HW05, eq. (5)] in closed form (`second_order_taylor_curve`), Tables 4 and 5
   by [HW05, eqs. (12)-(15)] with eq. (7) (`second_order_surface`). Nothing is clamped or damped.
@@ -24,35 +28,38 @@ digits.
 /// The whole document.
 pub(crate) fn document(tables: &[Table]) -> String {
     let mut text = String::from(HEAD);
-    let (mut agree, mut misprints) = (0, Vec::new());
+    let (mut equal, mut others) = (0, [Vec::new(), Vec::new()]);
     for table in tables {
         for block in &table.blocks {
             for row in &block.rows {
                 for (i, printed) in row.printed.iter().enumerate() {
                     let computed = row.computed[i];
-                    if two_digits(computed) == printed.text {
-                        agree += 1;
-                    } else {
-                        misprints.push(format!(
-                            "| {} | {} | {} | {} | {} | {} |",
-                            table.number,
-                            block.title,
-                            row.label,
-                            block.steps[i],
-                            printed.text,
-                            four_digits(computed)
-                        ));
+                    let relation = of_step(computed, printed.text);
+                    if relation == Relation::Equal {
+                        equal += 1;
+                        continue;
                     }
+                    others[usize::from(relation == Relation::Misprint)].push(format!(
+                        "| {} | {} | {} | {} | {} | {} | {} |",
+                        table.number,
+                        block.title,
+                        row.label,
+                        block.steps[i],
+                        printed.text,
+                        four_digits(computed),
+                        relation.mark()
+                    ));
                 }
             }
         }
     }
-    let total = agree + misprints.len();
+    let [cut, misprints] = others.each_ref().map(Vec::len);
     let _ = write!(
         text,
-        "\n{agree} of the {total} printed steps are reproduced. The other {}:\n\n| table | point | row | step | printed | computed |\n|---|---|---|---|---|---|\n{}\n",
-        misprints.len(),
-        misprints.join("\n")
+        "\n{equal} of the {} printed steps are reproduced, {cut} are cut off, and {misprints} are misprints:\n\n\
+         | table | point | row | step | printed | computed | |\n|---|---|---|---|---|---|---|\n{}\n",
+        equal + cut + misprints,
+        others.concat().join("\n")
     );
     for table in tables {
         text.push('\n');
@@ -91,35 +98,32 @@ fn block(block: &Block) -> String {
     for solution in &block.solutions {
         let _ = write!(text, "{} = {:.10}", solution.name, solution.computed);
         if let Some(printed) = solution.printed {
-            let rounded = as_many_decimals(solution.computed, printed.text);
-            let _ = write!(text, ", printed {} ", printed.text);
-            match (rounded == printed.text, printed.misprint) {
-                (true, _) => text.push('='),
-                (false, true) => {
-                    let _ = write!(text, "misprint (cut off) [{rounded}]");
-                }
-                (false, false) => text.push_str("differs"),
+            let relation = of_decimals(solution.computed, printed.text);
+            let _ = write!(text, ", printed {} {}", printed.text, relation.mark());
+            if relation != Relation::Equal {
+                let _ = write!(text, " [{:.*}]", decimals(printed.text), solution.computed);
             }
+            text.push_str(unlisted(relation, printed.relation));
         }
         text.push_str(if solution.name == "u¹" { "; " } else { "\n" });
     }
     text
 }
 
+/// The computed step, and how the printed one relates to it.
 fn mark(row: &Row, i: usize) -> String {
-    let (computed, printed) = (two_digits(row.computed[i]), row.printed[i]);
-    if computed != printed.text {
-        let what = if printed.misprint { "misprint" } else { "differs" };
-        format!("{computed} {what} [{}]", four_digits(row.computed[i]))
-    } else {
-        format!("{computed} =")
+    let (computed, printed) = (row.computed[i], row.printed[i]);
+    let relation = of_step(computed, printed.text);
+    let unlisted = unlisted(relation, printed.relation);
+    match relation {
+        Relation::Equal => format!("{} ={unlisted}", printed.text),
+        other => format!("{} {} [{}]{unlisted}", two_digits(computed), other.mark(), four_digits(computed)),
     }
 }
 
-/// A number with as many decimals as a printed one.
-pub(crate) fn as_many_decimals(value: f64, printed: &str) -> String {
-    let decimals = printed.split_once('.').map_or(0, |(_, decimals)| decimals.len());
-    format!("{value:.decimals$}")
+/// Says when a number does not relate to the printed one as is listed.
+fn unlisted(found: Relation, listed: Relation) -> &'static str {
+    if found == listed { "" } else { " (not listed so)" }
 }
 
 fn capitalised(text: &str) -> String {

@@ -3,7 +3,7 @@
 use super::ease::eased;
 use super::{SurfaceFit, rms};
 use crate::{Error, SurfaceDefects};
-use footpoint::{ProjectionOptions, SurfaceProjector};
+use footpoint::SurfaceProjector;
 use nalgebra::Vector3;
 use nurbs_core::BsplineSurface;
 use sdm_fit::{
@@ -109,10 +109,13 @@ fn minimised(
             report.fit.initial_rms = first_rms;
             report.fit.rms = best_rms;
             report.folds = Folds::of(&surface);
-            // What was cancelled, or went wrong, stays so.
-            if is_slow && status == Status::MaxIterations {
-                report.fit.status = Status::Converged;
-            }
+            // What was cancelled, or went wrong, stays so; the limit of a stage is not that of all.
+            let at_limit = history.len() >= options.fit.max_iterations;
+            report.fit.status = match status {
+                Status::MaxIterations if is_slow => Status::Converged,
+                Status::MaxIterations if !at_limit => Status::Stalled,
+                status => status,
+            };
             report.fit.history = history;
             let raw = raw.unwrap_or_else(|| defects(&surface));
             return Ok(Minimised { surface, report, raw, moved_back, is_folded: false });
@@ -134,7 +137,7 @@ fn minimised(
 /// Root mean square orthogonal distance of points from a surface.
 fn rms_from(points: &[Vector3<f64>], surface: &BsplineSurface) -> f64 {
     let projector = SurfaceProjector::new(surface);
-    let feet = projector.project_many(points, &ProjectionOptions::default(), &footpoint::no_progress);
+    let feet = projector.project_all(points);
     let all: Vec<usize> = (0..points.len()).collect();
     rms(&all, &feet)
 }
@@ -237,7 +240,7 @@ pub fn finish_fit_with_progress(
     let Minimised { surface, moved_back, raw, is_folded, .. } = made;
     let defects = |surface: &BsplineSurface| SurfaceDefects::of(surface, None);
     let projector = SurfaceProjector::new(&surface);
-    let feet = projector.project_many(points, &ProjectionOptions::default(), &footpoint::no_progress);
+    let feet = projector.project_all(points);
     let distance = rms(&used, &feet);
     let outcome = match () {
         () if cancelled => FinishOutcome::Cancelled,

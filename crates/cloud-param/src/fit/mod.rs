@@ -9,7 +9,7 @@ pub use finish::{FinishOutcome, FinishReport, finish_fit, finish_fit_with_progre
 
 use crate::{Error, SurfaceDefects, parallel};
 use anchors::Anchors;
-use footpoint::{ProjectionOptions, SurfaceFootpoint, SurfaceProjector, no_progress};
+use footpoint::{SurfaceFootpoint, SurfaceProjector};
 use knots::Spans;
 use nalgebra::Vector3;
 use nurbs_core::{BsplineSurface, ParametricSurface, SurfaceFitOptions};
@@ -183,7 +183,7 @@ pub fn fit_parameters(
             break;
         }
         let projector = SurfaceProjector::new(&surface);
-        let all = projector.project_many(points, &ProjectionOptions::default(), &no_progress);
+        let all = projector.project_all(points);
         let distance = rms(&used, &all);
         if history.last().is_some_and(|&before| distance > before) {
             break;

@@ -13,7 +13,7 @@ use crate::components::components;
 use crate::defects::SurfaceDefects;
 use crate::shape::decide;
 use crate::{AxisChoice, AxisEstimate, Error, Neighbourhood, Shape, ShapeDecision, estimate_axis};
-use footpoint::{Location, Multiplicity, ProjectionOptions, SurfaceFootpoint, SurfaceProjector};
+use footpoint::{Location, Multiplicity, SurfaceFootpoint, SurfaceProjector};
 use nalgebra::Vector3;
 use nurbs_core::BsplineSurface;
 use std::ops::ControlFlow;
@@ -128,11 +128,7 @@ pub fn parameterise_with_progress(
 
     clock.enter(Stage::Parameters)?;
     let surface = base.surface.translated(&centre)?;
-    let all = SurfaceProjector::new(&surface).project_many(
-        points,
-        &ProjectionOptions::default(),
-        &footpoint::no_progress,
-    );
+    let all = SurfaceProjector::new(&surface).project_all(points);
     let mut report = base.report;
     report.points = points.len();
     report.dropped = points.len() - finite.len();

@@ -95,10 +95,12 @@ pub struct ParameteriseReport {
     /// Points given.
     pub points: usize,
     /// Points that are not finite.
+    #[cfg_attr(feature = "serde", serde(rename = "points_dropped"))]
     pub dropped: usize,
     /// Points apart from the cloud, which the base surface does not follow.
     pub strays: usize,
     /// Points that count for a fit: on the base surface or as near to it as others.
+    #[cfg_attr(feature = "serde", serde(rename = "points_used"))]
     pub used: usize,
     /// Points beyond the open ends or without a foot.
     pub beyond_ends: usize,

@@ -9,6 +9,9 @@ use nurbs_core::{BezierPatch, Interval};
 /// A point of the homogeneous control net: `w (p − centre)` and `w`.
 pub(crate) type Homogeneous = [f64; 4];
 
+/// Largest ratio of the weights of a patch that is evaluated in powers.
+const BALANCED: f64 = 256.0;
+
 /// One patch: where it lies, and where its coefficients begin in the arenas.
 #[derive(Clone, Debug)]
 pub(crate) struct Patch {
@@ -112,11 +115,15 @@ impl Geometry {
         if let Some(pole) = pole {
             origin[pole.direction()] = if pole.at_end { 1.0 } else { 0.0 };
         }
-        let order =
-            power::push_powers(&net, patch.degrees, origin.map(f64::from), rational, &mut self.powers);
+        let (min, max) = net.iter().fold((f64::INFINITY, 0.0f64), |(a, b), p| (a.min(p[3]), b.max(p[3])));
+        // In powers the largest weights cancel where small ones count; Bernstein sums of positive weights do not.
+        let order = if max <= BALANCED * min {
+            power::push_powers(&net, patch.degrees, origin.map(f64::from), rational, &mut self.powers)
+        } else {
+            0
+        };
         self.powers.push(0.0);
         let radius = patch.control_points.iter().map(|p| (p - centre).norm()).fold(0.0, f64::max);
-        let (min, max) = net.iter().fold((f64::INFINITY, 0.0f64), |(a, b), p| (a.min(p[3]), b.max(p[3])));
         self.patches.push(Patch {
             // So many patches that these do not fit would not fit into the memory.
             shape: u32::try_from(shape).unwrap_or(u32::MAX),

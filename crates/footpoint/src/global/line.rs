@@ -6,6 +6,9 @@ use super::lanes::{Lanes, Row, WIDTH, dot};
 /// Halvings after which an interval is left as it is.
 const MAX_DEPTH: u32 = 40;
 
+/// Parts that are examined before the rest is left as it is.
+const MAX_PARTS: u32 = 4096;
+
 /// Bernstein coefficients on a part of `[0, 1]`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Segment<const K: usize> {
@@ -52,7 +55,9 @@ pub(crate) fn prove_line<const K: usize>(
     stack.clear();
     stack.push(whole);
     let mut unresolved = f64::INFINITY;
+    let mut parts = 0;
     while let Some(segment) = stack.pop() {
+        parts += 1;
         let c = &segment.coefficients.as_flattened()[..=n];
         let parameter = |s: f64| segment.start + s * segment.length;
         let (mut argmin, mut min) = (0, f64::INFINITY);
@@ -102,7 +107,7 @@ pub(crate) fn prove_line<const K: usize>(
                 continue;
             }
         }
-        if segment.depth >= MAX_DEPTH {
+        if segment.depth >= MAX_DEPTH || parts > MAX_PARTS {
             unresolved = unresolved.min(min);
             continue;
         }

@@ -211,6 +211,11 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
         sum(&self.points[piece.first..=piece.first + p], &basis[..=p], piece.rational)
     }
 
+    /// The control points, relative to the centre, times their weights, and these.
+    pub(super) fn points(&self, piece: &Piece<D>) -> &[(SVector<f64, D>, f64)] {
+        &self.points[piece.first..=piece.first + piece.degree]
+    }
+
     /// Squared distance of `x` from the point at the local parameter.
     #[inline(always)]
     pub(crate) fn distance_sq(&self, x: &SVector<f64, D>, piece: usize, s: f64) -> f64 {

@@ -25,14 +25,21 @@ use nalgebra::Vector3;
 /// Halvings, in both directions together, after which a box is left as it is.
 const MAX_DEPTH: u32 = 80;
 
+/// Boxes that are examined in this way before the rest is left to the control nets (see [`hulls`](super::hulls)), by the length of the
+/// rows.
+const QUICK: [u32; 3] = [32, 24, 1];
+
+/// What each of them costs, in units of [`max_boxes`](crate::ProjectionOptions::max_boxes).
+const COST: [u32; 4] = [16, 40, 80, 150];
+
 /// Improvement of the squared distance below which a place counts as the same minimum.
-const IMPROVEMENT: f64 = 1e-13;
+pub(super) const IMPROVEMENT: f64 = 1e-13;
 
 /// Rounding errors, as a share of the allowed gap, that do not matter.
 const HARMLESS: f64 = 0.25;
 
 /// What one box of a patch says.
-enum Verdict {
+pub(super) enum Verdict {
     Dropped,
     /// `G` is negative at this place of the box.
     Below([f64; 2]),
@@ -41,14 +48,14 @@ enum Verdict {
 }
 
 /// Thresholds of one query on one box.
-struct Levels {
+pub(super) struct Levels {
     /// Size of the rounding errors.
-    noise: f64,
+    pub(super) noise: f64,
     /// What coefficients must reach for the box to be dropped: `−noise`, but `+noise` where so close to the model
     /// that the rounding errors of the whole patch would hide the answer.
-    floor: f64,
+    pub(super) floor: f64,
     /// Values up to this may be ties.
-    tie: f64,
+    pub(super) tie: f64,
 }
 
 impl<const K: usize> PatchSet<K> {
@@ -83,6 +90,8 @@ impl<const K: usize> PatchSet<K> {
         let y = x - patch.centre;
         let m = patch.rows();
         let mut boxes = 0u32;
+        let quick = QUICK[K.min(QUICK.len()) - 1];
+        let cost = COST[K.min(COST.len()) - 1];
         'restart: loop {
             let limit_sq = gap.limit_sq(best.distance_sq);
             scratch.regions.clear();
@@ -96,7 +105,12 @@ impl<const K: usize> PatchSet<K> {
             let way = self.way_from_pole(patch, &y, best);
             let mut unresolved = 0.0f64;
             while let Some(region) = scratch.regions.pop() {
+                if boxes >= quick || scratch.boxes_left < cost {
+                    scratch.regions.push(region);
+                    break;
+                }
                 boxes += 1;
+                scratch.boxes_left -= cost;
                 let first = scratch.regions.len() * m;
                 let mut rows = std::mem::take(&mut scratch.current);
                 rows.clear();
@@ -120,7 +134,7 @@ impl<const K: usize> PatchSet<K> {
                         }
                         // A minimum that is not lower than the known one but for rounding.
                     }
-                    Verdict::Undecided(_, min) if region.depth >= MAX_DEPTH || boxes >= gap.max_boxes => {
+                    Verdict::Undecided(_, min) if region.depth >= MAX_DEPTH => {
                         unresolved = unresolved.min(min);
                     }
                     Verdict::Undecided(direction, _) => {
@@ -155,12 +169,17 @@ impl<const K: usize> PatchSet<K> {
                 }
                 scratch.current = rows;
             }
-            return (limit_sq + unresolved / patch.min_weight_sq).max(0.0);
+            let shown_sq = (limit_sq + unresolved / patch.min_weight_sq).max(0.0);
+            if scratch.regions.is_empty() {
+                return shown_sq;
+            }
+            let floor = self.prove_by_hulls(x, index, best, gap, scratch);
+            return shown_sq.min(floor * floor);
         }
     }
 
     #[inline(always)]
-    fn judge(
+    pub(super) fn judge(
         &self,
         rows: &[Row<K>],
         region: &Region,

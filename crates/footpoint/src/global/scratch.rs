@@ -2,6 +2,7 @@
 
 use super::descend::Foot;
 use super::geometry::Homogeneous;
+use super::hulls::HullScratch;
 use super::lanes::Row;
 use super::line::Segment;
 use super::seeds::Dip;
@@ -74,6 +75,9 @@ pub(crate) struct Scratch<const K: usize> {
     /// Patches that may hold a nearer point.
     pub(crate) candidates: Vec<Candidate>,
     pub(crate) regions: Vec<Region>,
+    /// Boxes that may still be examined for the query at hand.
+    pub(crate) boxes_left: u32,
+    pub(super) hulls: HullScratch,
     pub(crate) rows: Vec<Row<K>>,
     /// The rows of the box at hand.
     pub(crate) current: Vec<Row<K>>,

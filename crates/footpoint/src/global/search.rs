@@ -24,21 +24,15 @@ pub(crate) struct Found {
 }
 
 impl<const K: usize> PatchSet<K> {
-    /// The nearest point; `start` is a footpoint to begin with, `prove` asks for the certificate.
+    /// The nearest point; `prove` asks for the certificate.
     #[inline(always)]
-    pub(crate) fn search(
-        &self,
-        x: &Vector3<f64>,
-        start: Option<Foot>,
-        prove: bool,
-        gap: &Gap,
-        scratch: &mut Scratch<K>,
-    ) -> Found {
-        let mut best = start.unwrap_or(Foot::NONE);
+    pub(crate) fn search(&self, x: &Vector3<f64>, prove: bool, gap: &Gap, scratch: &mut Scratch<K>) -> Found {
+        let mut best = Foot::NONE;
         let mut limit_sq = gap.limit_sq(best.distance_sq);
         scratch.candidates.clear();
         scratch.ties.clear();
         scratch.rivals.clear();
+        scratch.boxes_left = gap.max_boxes;
         scratch.visits.clear();
         scratch.visits.push(Visit::root());
         let query = [x.x, x.y, x.z];
@@ -75,6 +69,7 @@ impl<const K: usize> PatchSet<K> {
             }
             if limit_sq == 0.0 {
                 // On the model, as far as the allowed gap can tell.
+                self.settle(x, &mut best);
                 return Found { foot: best, bound_sq: 0.0 };
             }
         }
@@ -103,6 +98,12 @@ impl<const K: usize> PatchSet<K> {
                 // Not nearer, but perhaps as near.
                 scratch.note_tie(candidate.patch, candidate.place);
             }
+        }
+        if bound_sq < gap.open_sq(best.distance_sq) {
+            // Not proven: at least as good as without a proof.
+            self.second_seeds(x, &mut best, gap, scratch);
+            scratch.boxes_left = gap.max_boxes;
+            self.search_poles(x, &mut best, gap, scratch);
         }
         bound_sq = bound_sq.min(gap.limit_sq(best.distance_sq));
         self.settle(x, &mut best);

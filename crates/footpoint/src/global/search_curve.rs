@@ -135,12 +135,11 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
     pub(crate) fn search(
         &self,
         x: &SVector<f64, D>,
-        start: Option<CurveFoot>,
         prove: bool,
         gap: &Gap,
         scratch: &mut CurveScratch<K>,
     ) -> (CurveFoot, f64) {
-        let mut best = start.unwrap_or(CurveFoot::NONE);
+        let mut best = CurveFoot::NONE;
         let mut limit_sq = gap.limit_sq(best.distance_sq);
         scratch.candidates.clear();
         scratch.ties.clear();
@@ -183,6 +182,8 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
                 best.steps = steps;
             }
             if limit_sq == 0.0 {
+                // On the model, as far as the allowed gap can tell.
+                self.settle(x, &mut best);
                 return (best, 0.0);
             }
         }
@@ -210,6 +211,10 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
                 let row = self.form(&self.pieces[index], &(x - self.pieces[index].centre), 0.0);
                 scratch.ties.push((index, argmin(&row)));
             }
+        }
+        if bound_sq < gap.open_sq(best.distance_sq) {
+            // Not proven: at least as good as without a proof.
+            self.second_seeds(x, &mut best, gap, &scratch.candidates);
         }
         bound_sq = bound_sq.min(gap.limit_sq(best.distance_sq));
         self.settle(x, &mut best);

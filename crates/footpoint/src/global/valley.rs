@@ -200,4 +200,40 @@ mod tests {
         // Three of the eight polynomials of the other direction are wanted; too much slack leaves none convex.
         assert!(valley(&across, 3, 0.5, 1.0).is_none());
     }
+
+    /// Value of a polynomial in Bernstein form.
+    fn value(coefficients: &[f64], s: f64) -> f64 {
+        let mut c = coefficients.to_vec();
+        while c.len() > 1 {
+            c = c.windows(2).map(|w| (1.0 - s) * w[0] + s * w[1]).collect();
+        }
+        c[0]
+    }
+
+    #[test]
+    fn bounds_are_below_the_minima_from_bad_starts() {
+        let mut state = 7u64;
+        let mut unit = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1u64 << 53) as f64
+        };
+        for case in 0..2000 {
+            let degree = [4, 5, 6, 7][case % 4];
+            // Flat where the minimum is, and much more bent where the iteration starts, so that it does not get there.
+            let mut bends: Vec<f64> = (0..degree - 1).map(|_| 0.5 + 1.5 * unit()).collect();
+            bends[degree - 2] *= 10f64.powf(1.0 + 2.0 * unit());
+            let mut step = -unit() * bends[..degree - 2].iter().sum::<f64>();
+            let mut coefficients = vec![0.0, step];
+            for bend in bends {
+                step += bend;
+                coefficients.push(coefficients.last().unwrap() + step);
+            }
+            let rows: Vec<Row<1>> = coefficients.iter().map(|&c| [Lanes([c; WIDTH])]).collect();
+            let bound = valley(&rows, 1, 1.0, 0.0).unwrap().bound;
+            let least =
+                (0..=400).map(|k| value(&coefficients, f64::from(k) / 400.0)).fold(f64::INFINITY, f64::min);
+            let scale = coefficients.iter().fold(0.0f64, |all, c| all.max(c.abs()));
+            assert!(bound <= least + 1e-13 * scale, "case {case}: {bound} above {least}, {coefficients:?}");
+        }
+    }
 }

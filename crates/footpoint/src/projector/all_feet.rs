@@ -131,7 +131,7 @@ pub(super) fn surface_feet<const K: usize>(
 ) -> Result<SurfaceFeet, Error> {
     check(x.as_slice(), factor, options)?;
     let gap = Gap::new(options, set.size);
-    let found = set.scratch.with(|scratch| set.search(x, None, true, &gap, scratch));
+    let found = set.scratch.with(|scratch| set.search(x, true, &gap, scratch));
     let limit = limit(found.foot.distance_sq.sqrt(), factor, &gap, x.as_slice());
     let apart = APART * set.size;
     let harvest = set.minima(x, limit * limit, &gap);
@@ -160,7 +160,7 @@ pub(super) fn curve_feet<const D: usize, const K: usize>(
 ) -> Result<CurveFeet<D>, Error> {
     check(x.as_slice(), factor, options)?;
     let gap = Gap::new(options, set.size);
-    let (nearest, bound_sq) = set.scratch.with(|scratch| set.search(x, None, true, &gap, scratch));
+    let (nearest, bound_sq) = set.scratch.with(|scratch| set.search(x, true, &gap, scratch));
     let limit = limit(nearest.distance_sq.sqrt(), factor, &gap, x.as_slice());
     let apart = APART * set.size;
     let harvest = set.minima(x, limit * limit, &gap);

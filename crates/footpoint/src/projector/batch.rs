@@ -1,27 +1,37 @@
-//! Many points at once: coherent order, warm starts, threads (the only file that knows `rayon`).
+//! Many points at once: coherent order, threads (the only file that knows `rayon`).
 
 use super::Progress;
 use crate::global::simd::vectorized;
 use nalgebra::SVector;
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::cmp::Ordering;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
 
 /// Points per task: fixed, so that the results do not depend on the number of threads.
 const CHUNK: usize = 512;
+/// Tasks whose answers are held at once.
+const ROUND: usize = 128;
+
+/// Points after which the progress is told, and a cancellation noticed, inside a task.
+const REPORT: usize = 32;
 
 /// What a batch of queries needs to know about the shape.
 pub(crate) trait Batch<const D: usize>: Sync {
     /// Working memory.
     type Scratch: Default + Send + 'static;
-    /// Where the last footpoint was.
-    type Hint: Default;
     /// Result of one query.
     type Output: Copy + Send + Sync;
 
     fn invalid(&self) -> Self::Output;
     fn cancelled(&self) -> Self::Output;
-    fn answer(&self, x: &SVector<f64, D>, hint: &mut Self::Hint, scratch: &mut Self::Scratch)
-    -> Self::Output;
+    /// The answer for a finite point, which depends on nothing else.
+    fn answer(&self, x: &SVector<f64, D>, scratch: &mut Self::Scratch) -> Self::Output;
+}
+
+/// Points to be projected.
+pub(crate) struct Queries<'a, const D: usize> {
+    pub(crate) count: usize,
+    pub(crate) at: &'a (dyn Fn(usize) -> SVector<f64, D> + Sync),
 }
 
 /// One query.
@@ -30,32 +40,34 @@ pub(crate) fn single<const D: usize, B: Batch<D>>(
     x: &SVector<f64, D>,
     scratch: &mut B::Scratch,
 ) -> B::Output {
-    slice(batch, std::slice::from_ref(x), &[0], scratch, &mut |_, out| out).unwrap_or_else(|| batch.invalid())
+    let queries = Queries { count: 1, at: &|_| *x };
+    let mut answer = batch.invalid();
+    slice(batch, &queries, &[0], scratch, &mut |_, out| {
+        answer = out;
+        true
+    });
+    answer
 }
 
-/// Answers the points of one chunk in order; each starts from the answer before it. Returns the last answer.
+/// Answers the points of one chunk in order, as long as `store` says so.
 fn slice<const D: usize, B: Batch<D>>(
     batch: &B,
-    points: &[SVector<f64, D>],
+    queries: &Queries<'_, D>,
     order: &[u32],
     scratch: &mut B::Scratch,
-    store: &mut dyn FnMut(u32, B::Output) -> B::Output,
-) -> Option<B::Output> {
+    store: &mut dyn FnMut(u32, B::Output) -> bool,
+) {
     vectorized(
         #[inline(always)]
         || {
-            let mut hint = B::Hint::default();
-            let mut last = None;
             for &index in order {
-                let x = &points[index as usize];
-                let out = if x.iter().all(|c| c.is_finite()) {
-                    batch.answer(x, &mut hint, scratch)
-                } else {
-                    batch.invalid()
-                };
-                last = Some(store(index, out));
+                let x = &(queries.at)(index as usize);
+                let out =
+                    if x.iter().all(|c| c.is_finite()) { batch.answer(x, scratch) } else { batch.invalid() };
+                if !store(index, out) {
+                    break;
+                }
             }
-            last
         },
     )
 }
@@ -66,32 +78,53 @@ pub(crate) fn run<const D: usize, B: Batch<D>>(
     points: &[SVector<f64, D>],
     progress: Progress<'_>,
 ) -> Vec<B::Output> {
-    let order = coherent_order(points);
+    let mut results = vec![batch.cancelled(); points.len()];
+    let queries = Queries { count: points.len(), at: &|index| points[index] };
+    each(batch, &queries, progress, &|_, answer| *answer, &mut |answers| {
+        for &(index, answer) in answers {
+            results[index] = answer;
+        }
+    });
+    results
+}
+
+/// All points, in parallel, each answer turned into what `treat` makes of it; `receive` gets these with the indices of their
+/// points, a round at a time.
+pub(crate) fn each<const D: usize, B: Batch<D>, T: Send>(
+    batch: &B,
+    queries: &Queries<'_, D>,
+    progress: Progress<'_>,
+    treat: &(dyn Fn(usize, &B::Output) -> T + Sync),
+    receive: &mut dyn FnMut(&[(usize, T)]),
+) {
+    let order = coherent_order(queries);
     let done = AtomicUsize::new(0);
     let cancelled = AtomicBool::new(false);
-    let chunks: Vec<Vec<(u32, B::Output)>> = order
-        .par_chunks(CHUNK)
-        .map_init(B::Scratch::default, |scratch, chunk| {
-            let mut out = Vec::with_capacity(chunk.len());
-            if cancelled.load(Ordering::Relaxed) {
-                return out;
-            }
-            slice(batch, points, chunk, scratch, &mut |index, answer| {
-                out.push((index, answer));
-                answer
-            });
-            let total = done.fetch_add(chunk.len(), Ordering::Relaxed) + chunk.len();
-            if progress(total, points.len()).is_break() {
-                cancelled.store(true, Ordering::Relaxed);
-            }
-            out
-        })
-        .collect();
-    let mut results = vec![batch.cancelled(); points.len()];
-    for (index, answer) in chunks.into_iter().flatten() {
-        results[index as usize] = answer;
+    for round in order.chunks(CHUNK * ROUND) {
+        let chunks: Vec<Vec<(usize, T)>> = round
+            .par_chunks(CHUNK)
+            .map_init(B::Scratch::default, |scratch, chunk| {
+                let mut out = Vec::with_capacity(chunk.len());
+                if !cancelled.load(Relaxed) {
+                    slice(batch, queries, chunk, scratch, &mut |index, answer| {
+                        out.push((index as usize, treat(index as usize, &answer)));
+                        if out.len() % REPORT == 0 || out.len() == chunk.len() {
+                            let news = if out.len() % REPORT == 0 { REPORT } else { out.len() % REPORT };
+                            let total = done.fetch_add(news, Relaxed) + news;
+                            if progress(total, queries.count).is_break() {
+                                cancelled.store(true, Relaxed);
+                            }
+                        }
+                        !cancelled.load(Relaxed)
+                    });
+                }
+                let left = chunk[out.len()..].iter().map(|&index| index as usize);
+                out.extend(left.map(|index| (index, treat(index, &batch.cancelled()))).collect::<Vec<_>>());
+                out
+            })
+            .collect();
+        receive(&chunks.into_iter().flatten().collect::<Vec<_>>());
     }
-    results
 }
 
 /// Treats slices of fixed length of points and their answers in parallel.
@@ -112,13 +145,13 @@ pub(crate) fn zip_chunks<P: Sync, R: Send, W: Default + Send>(
 }
 
 /// Indices of the points along a space-filling (Morton) curve, so that neighbours in the order are neighbours in
-/// space; ties keep the order of the input.
-fn coherent_order<const D: usize>(points: &[SVector<f64, D>]) -> Vec<u32> {
+/// space; points in one cell are ordered by their coordinates, so that the order is that of the set of points.
+fn coherent_order<const D: usize>(queries: &Queries<'_, D>) -> Vec<u32> {
     let mut low = SVector::<f64, D>::repeat(f64::INFINITY);
     let mut high = -low;
-    for p in points.iter().filter(|p| p.iter().all(|c| c.is_finite())) {
-        low = low.inf(p);
-        high = high.sup(p);
+    for p in (0..queries.count).map(queries.at).filter(|p| p.iter().all(|c| c.is_finite())) {
+        low = low.inf(&p);
+        high = high.sup(&p);
     }
     let bits = (63 / D.max(1)).min(21);
     let cells = (1u64 << bits) as f64;
@@ -135,10 +168,22 @@ fn coherent_order<const D: usize>(points: &[SVector<f64, D>]) -> Vec<u32> {
         }
         key
     };
-    let mut keyed: Vec<(u64, u32)> =
-        points.par_iter().enumerate().map(|(i, p)| (key(p), u32::try_from(i).unwrap_or(u32::MAX))).collect();
-    keyed.par_sort_unstable();
-    keyed.into_iter().map(|(_, index)| index).collect()
+    let mut keyed: Vec<(u64, u32)> = (0..queries.count)
+        .into_par_iter()
+        .map(|i| (key(&(queries.at)(i)), u32::try_from(i).unwrap_or(u32::MAX)))
+        .collect();
+    keyed.par_sort_unstable_by(|a, b| {
+        let same_cell = || {
+            let [p, q] = [a, b].map(|pair| (queries.at)(pair.1 as usize));
+            let pairs = p.iter().zip(q.iter());
+            pairs.map(|(p, q)| p.total_cmp(q)).find(|o| o.is_ne()).unwrap_or(Ordering::Equal)
+        };
+        a.0.cmp(&b.0).then_with(same_cell).then(a.1.cmp(&b.1))
+    });
+    // Into memory of its own: collected in place the order would keep that of the keys.
+    let mut order = Vec::with_capacity(keyed.len());
+    order.extend(keyed.iter().map(|(_, index)| *index));
+    order
 }
 
 /// Bits of `cell` moved `stride` places apart.

@@ -30,6 +30,11 @@ pub(super) const NO_GAIN: f64 = 64.0 * f64::EPSILON;
 pub(super) const FLAT: f64 = 1e-4;
 
 impl SurfaceFootpoint {
+    /// The answer where numbers overflow.
+    pub(crate) fn diverged() -> Self {
+        Self { status: Status::Diverged, ..Self::invalid() }
+    }
+
     /// The answer for a point that is not finite.
     pub(crate) fn invalid() -> Self {
         Self {
@@ -68,6 +73,25 @@ impl Geometry {
     /// As [`finish`](Self::finish), when the jet at the place is known.
     #[inline(always)]
     pub(crate) fn conclude(&self, x: &Vector3<f64>, foot: &Foot, jet: &SurfaceJet) -> SurfaceFootpoint {
+        let out = self.judge(x, foot, jet);
+        if out.status == Status::Stalled { self.conclude_refined(x, foot, jet) } else { out }
+    }
+
+    /// As [`conclude`](Self::conclude), for a place where a descent has come to rest but the slope has not vanished.
+    #[cold]
+    fn conclude_refined(&self, x: &Vector3<f64>, foot: &Foot, jet: &SurfaceJet) -> SurfaceFootpoint {
+        let (foot, jet) = self.refine(x, foot, jet);
+        let mut out = self.judge(x, &foot, &jet);
+        if out.status == Status::Stalled && self.is_level(x, &foot, &jet) {
+            let at_boundary = matches!(out.location, Location::Edge | Location::Corner);
+            out.status = if at_boundary { Status::OnBoundary } else { Status::Converged };
+        }
+        out
+    }
+
+    /// What is to be said about a place.
+    #[inline(always)]
+    fn judge(&self, x: &Vector3<f64>, foot: &Foot, jet: &SurfaceJet) -> SurfaceFootpoint {
         let patch = &self.patches[foot.patch];
         let [s, t] = foot.local;
         let r = jet.point - (x - patch.centre);
@@ -259,7 +283,7 @@ impl<const K: usize> PatchSet<K> {
 
 /// A vector along the normal; at a pole the limit of the normals along the parameter line.
 #[inline(always)]
-fn outward([s, t]: [f64; 2], jet: &SurfaceJet) -> Vector3<f64> {
+pub(crate) fn outward([s, t]: [f64; 2], jet: &SurfaceJet) -> Vector3<f64> {
     let normal = jet.du.cross(&jet.dv);
     let (lu, lv) = (jet.du.norm_squared(), jet.dv.norm_squared());
     if normal.norm_squared() > DEGENERATE_SQ * lu.max(lv) * lu.max(lv) {

@@ -12,6 +12,25 @@ impl<const D: usize, const K: usize> PieceSet<D, K> {
     /// Turns a place into the public result: everything but the bound and the multiplicity.
     #[inline(always)]
     pub(crate) fn finish(&self, x: &SVector<f64, D>, foot: &CurveFoot) -> CurveFootpoint<D> {
+        let out = self.judge(x, foot);
+        if out.status == Status::Stalled { self.finish_refined(x, foot) } else { out }
+    }
+
+    /// As [`finish`](Self::finish), for a place where a descent has come to rest but the slope has not vanished.
+    #[cold]
+    fn finish_refined(&self, x: &SVector<f64, D>, foot: &CurveFoot) -> CurveFootpoint<D> {
+        let foot = self.refine(x, foot);
+        let mut out = self.judge(x, &foot);
+        if out.status == Status::Stalled && self.is_level(x, &foot) {
+            let at_end = out.location == Location::Edge;
+            out.status = if at_end { Status::OnBoundary } else { Status::Converged };
+        }
+        out
+    }
+
+    /// What is to be said about a place.
+    #[inline(always)]
+    fn judge(&self, x: &SVector<f64, D>, foot: &CurveFoot) -> CurveFootpoint<D> {
         let piece = &self.pieces[foot.piece];
         let jet = self.jet(piece, foot.local);
         let r = jet.point - (x - piece.centre);

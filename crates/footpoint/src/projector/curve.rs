@@ -2,14 +2,19 @@
 
 use super::Progress;
 use super::all_feet::{self, CurveFeet};
-use super::batch::{self, Batch};
+use super::batch::{self, Batch, Queries};
+use super::frame::Frame;
 use crate::global::gap::Gap;
 use crate::global::piece::PieceSet;
-use crate::global::search_curve::{CurveFoot, CurveScratch};
+use crate::global::search_curve::CurveScratch;
 use crate::global::simd::vectorized;
 use crate::{CurveFootpoint, Error, Location, Mode, Multiplicity, ProjectionOptions, Status, UpdateOptions};
 use nalgebra::SVector;
 use nurbs_core::BsplineCurve;
+use std::borrow::Cow;
+
+/// Rounding error of the squared distance form of a piece, as a share of the squared size of the model.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// Projects points onto one or several B-spline or NURBS curves of `R^D`.
 ///
@@ -27,6 +32,8 @@ use nurbs_core::BsplineCurve;
 #[derive(Clone, Debug)]
 pub struct CurveProjector<const D: usize> {
     set: Sets<D>,
+    /// In which the set is stored.
+    pub(super) frame: Frame<D>,
 }
 
 /// The prepared pieces, by the length of the rows that their degree needs.
@@ -71,13 +78,20 @@ impl<const D: usize> CurveProjector<D> {
 
     fn prepare(curves: &[&BsplineCurve<D>]) -> Self {
         let degree = curves.iter().map(|c| c.degree()).max().unwrap_or(1);
-        let all = curves.iter().copied();
+        let frame = Frame::of(curves.iter().flat_map(|s| s.control_points()));
+        let framed: Result<Vec<_>, _> = curves.iter().map(|s| frame.curve(s)).collect();
+        // Scaling by a power of two leaves a valid shape valid.
+        let (frame, framed) = match framed {
+            Ok(framed) => (frame, framed),
+            Err(_) => (Frame::FILE, curves.iter().map(|&s| Cow::Borrowed(s)).collect()),
+        };
+        let all = framed.iter().map(AsRef::as_ref);
         let set = match degree {
             0..=3 => Sets::One(PieceSet::new(all)),
             4..=7 => Sets::Two(PieceSet::new(all)),
             _ => Sets::Seven(PieceSet::new(all)),
         };
-        Self { set }
+        Self { set, frame }
     }
 
     /// Number of Bézier pieces of the model.
@@ -97,16 +111,31 @@ impl<const D: usize> CurveProjector<D> {
     /// A query that is not finite gets [`Status::InvalidPoint`].
     #[must_use]
     pub fn project(&self, x: &SVector<f64, D>) -> CurveFootpoint<D> {
-        self.project_with(x, &ProjectionOptions::default())
+        self.answer(x, &ProjectionOptions::default())
     }
 
     /// The nearest point of the model.
-    #[must_use]
-    pub fn project_with(&self, x: &SVector<f64, D>, options: &ProjectionOptions) -> CurveFootpoint<D> {
-        with_set!(&self.set, set => {
+    ///
+    /// # Errors
+    /// [`Error::Option`] for an option that is invalid.
+    pub fn project_with(
+        &self,
+        x: &SVector<f64, D>,
+        options: &ProjectionOptions,
+    ) -> Result<CurveFootpoint<D>, Error> {
+        options.validate()?;
+        Ok(self.answer(x, options))
+    }
+
+    /// The nearest point of the model, with options that are valid.
+    fn answer(&self, x: &SVector<f64, D>, options: &ProjectionOptions) -> CurveFootpoint<D> {
+        let y = self.frame.query(x);
+        let mut foot = with_set!(&self.set, set => {
             let query = CurveQuery::new(set, options);
-            set.scratch.with(|scratch| batch::single(&query, x, scratch))
-        })
+            set.scratch.with(|scratch| batch::single(&query, &y, scratch))
+        });
+        self.frame.leave(x, &mut foot);
+        foot
     }
 
     /// Follows the distance downhill from a known parameter: a previous answer for a point nearby.
@@ -114,10 +143,13 @@ impl<const D: usize> CurveProjector<D> {
     /// Kinks are crossed where the distance falls beyond them; on a kink a foot is converged only if it falls on neither side.
     #[must_use]
     pub fn project_from(&self, x: &SVector<f64, D>, shape: usize, parameter: f64) -> CurveFootpoint<D> {
-        with_set!(&self.set, set => vectorized(
+        let y = self.frame.query(x);
+        let mut foot = with_set!(&self.set, set => vectorized(
             #[inline(always)]
-            || follow(set, x, shape, parameter, UpdateOptions::default().max_steps),
-        ))
+            || follow(set, &y, shape, parameter, UpdateOptions::default().max_steps),
+        ));
+        self.frame.leave(x, &mut foot);
+        foot
     }
 
     /// New feet of points, each from the previous one.
@@ -139,18 +171,71 @@ impl<const D: usize> CurveProjector<D> {
         ));
     }
 
-    /// Projects many points, in parallel, each with the result of its neighbour as a start.
+    /// Projects many points, in parallel.
     ///
-    /// The results come in the order of the points, with the same bits whatever the number of threads.
-    /// `progress` may cancel: what is left then has [`Status::Cancelled`].
-    #[must_use]
+    /// The results come in the order of the points. Each is the one of [`project_with`](Self::project_with), bit by bit, whatever
+    /// the other points and the number of threads. `progress` is told every few dozen points and may cancel: what is left then
+    /// has [`Status::Cancelled`].
+    ///
+    /// # Errors
+    /// [`Error::Option`] for an option that is invalid.
     pub fn project_many(
         &self,
         points: &[SVector<f64, D>],
         options: &ProjectionOptions,
         progress: Progress<'_>,
+    ) -> Result<Vec<CurveFootpoint<D>>, Error> {
+        options.validate()?;
+        Ok(self.answers(points, options, progress))
+    }
+
+    /// The nearest points of many, certified, with the default options.
+    ///
+    /// As [`project_many`](Self::project_many), but nothing can be invalid and nobody wants to watch.
+    #[must_use]
+    pub fn project_all(&self, points: &[SVector<f64, D>]) -> Vec<CurveFootpoint<D>> {
+        self.answers(points, &ProjectionOptions::default(), &super::no_progress)
+    }
+
+    /// The nearest points of many, with options that are valid.
+    fn answers(
+        &self,
+        points: &[SVector<f64, D>],
+        options: &ProjectionOptions,
+        progress: Progress<'_>,
     ) -> Vec<CurveFootpoint<D>> {
-        with_set!(&self.set, set => batch::run(&CurveQuery::new(set, options), points, progress))
+        let queries = self.frame.queries(points);
+        let mut feet =
+            with_set!(&self.set, set => batch::run(&CurveQuery::new(set, options), &queries, progress));
+        self.frame.leave_all(points, &mut feet);
+        feet
+    }
+
+    /// As [`project_many`](Self::project_many) for the points `at(0)`, …, `at(count − 1)`, without holding all footpoints at
+    /// once; see [`SurfaceProjector::project_each`](crate::SurfaceProjector::project_each).
+    ///
+    /// # Errors
+    /// [`Error::Option`] for an option that is invalid.
+    pub fn project_each<T: Send>(
+        &self,
+        count: usize,
+        at: &(dyn Fn(usize) -> SVector<f64, D> + Sync),
+        options: &ProjectionOptions,
+        progress: Progress<'_>,
+        treat: &(dyn Fn(usize, &CurveFootpoint<D>) -> T + Sync),
+        receive: &mut dyn FnMut(&[(usize, T)]),
+    ) -> Result<(), Error> {
+        options.validate()?;
+        let queries = Queries { count, at: &|index| self.frame.query(&at(index)) };
+        let treat = |index: usize, foot: &CurveFootpoint<D>| {
+            let mut foot = *foot;
+            self.frame.leave(&at(index), &mut foot);
+            treat(index, &foot)
+        };
+        with_set!(&self.set, set => {
+            batch::each(&CurveQuery::new(set, options), &queries, progress, &treat, receive);
+        });
+        Ok(())
     }
 
     /// All local minima of the distance that are at most `factor` (at least 1) times as far as the nearest point.
@@ -168,7 +253,10 @@ impl<const D: usize> CurveProjector<D> {
         factor: f64,
         options: &ProjectionOptions,
     ) -> Result<CurveFeet<D>, Error> {
-        with_set!(&self.set, set => all_feet::curve_feet(set, x, factor, options))
+        let y = self.frame.query(x);
+        let mut found = with_set!(&self.set, set => all_feet::curve_feet(set, &y, factor, options))?;
+        found.feet.iter_mut().for_each(|foot| self.frame.leave(x, foot));
+        Ok(found)
     }
 
     /// The parameter of a point that lies on the model.
@@ -220,7 +308,6 @@ impl<'a, const D: usize, const K: usize> CurveQuery<'a, D, K> {
 
 impl<const D: usize, const K: usize> Batch<D> for CurveQuery<'_, D, K> {
     type Scratch = CurveScratch<K>;
-    type Hint = Option<CurveFoot>;
     type Output = CurveFootpoint<D>;
 
     fn invalid(&self) -> CurveFootpoint<D> {
@@ -232,27 +319,19 @@ impl<const D: usize, const K: usize> Batch<D> for CurveQuery<'_, D, K> {
     }
 
     #[inline(always)]
-    fn answer(
-        &self,
-        x: &SVector<f64, D>,
-        hint: &mut Option<CurveFoot>,
-        scratch: &mut CurveScratch<K>,
-    ) -> CurveFootpoint<D> {
-        if self.mode == Mode::Local
-            && let Some(foot) = hint
-        {
-            let walk = self.set.follow(x, (foot.piece, foot.local), UpdateOptions::default().max_steps);
-            *foot = walk.foot;
-            return self.set.conclude_walk(x, &walk);
+    fn answer(&self, x: &SVector<f64, D>, scratch: &mut CurveScratch<K>) -> CurveFootpoint<D> {
+        if self.mode == Mode::Local {
+            // From a place of its own: what is found does not depend on the points before.
+            let start = self.set.nearest_sample(x, scratch);
+            return start.map_or_else(CurveFootpoint::diverged, |start| {
+                self.set.conclude_walk(x, &self.set.follow(x, start, UpdateOptions::default().max_steps))
+            });
         }
-        let start = hint.map(|foot| self.set.descend(x, foot.piece, foot.local, 12));
         let certify = self.mode == Mode::Certified;
-        let (foot, bound_sq) = self.set.search(x, start, certify, &self.gap, scratch);
+        let (foot, bound_sq) = self.set.search(x, certify, &self.gap, scratch);
         if foot.piece == usize::MAX {
-            // Squares of the coordinates overflow.
-            return CurveFootpoint { status: Status::Diverged, ..CurveFootpoint::invalid() };
+            return CurveFootpoint::diverged();
         }
-        *hint = Some(foot);
         let mut out = self.set.finish(x, &foot);
         if certify {
             out.lower_bound = bound_sq.sqrt().min(out.distance);
@@ -261,12 +340,25 @@ impl<const D: usize, const K: usize> Batch<D> for CurveQuery<'_, D, K> {
                 // Along a continuum no point is better than another: there is nothing to converge to.
                 out.status = Status::Converged;
             }
+            // Squares of lengths are not known better than this: close to a curve it limits what can be proven.
+            let piece = &self.set.pieces[foot.piece];
+            let size_sq = self.set.size * self.set.size + foot.distance_sq;
+            let rounding_sq = ROUNDING * size_sq * piece.max_weight_sq / piece.min_weight_sq;
+            let bound = (bound_sq + rounding_sq).sqrt();
+            if out.status.is_converged() && !self.gap.is_closed(out.distance, bound) {
+                out.status = Status::Uncertified;
+            }
         }
         out
     }
 }
 
 impl<const D: usize> CurveFootpoint<D> {
+    /// The answer where numbers overflow.
+    fn diverged() -> Self {
+        Self { status: Status::Diverged, ..Self::invalid() }
+    }
+
     /// The answer for a point that is not finite.
     fn invalid() -> Self {
         Self {

@@ -5,6 +5,8 @@ mod batch;
 pub(crate) mod classify;
 mod classify_curve;
 mod curve;
+mod facing;
+mod frame;
 mod local_minimum;
 pub(crate) mod pool;
 mod surface;

@@ -36,7 +36,7 @@ impl SurfaceProjector {
     /// let torus = Torus::new(Frame::WORLD, 3.0, 1.0)?.to_nurbs()?;
     /// let projector = SurfaceProjector::new(&torus);
     /// let mut scan: Vec<_> = (0..100).map(|i| Vector3::new(3.0, f64::from(i) * 0.01, 1.5)).collect();
-    /// let feet = projector.project_many(&scan, &ProjectionOptions::default(), &no_progress);
+    /// let feet = projector.project_many(&scan, &ProjectionOptions::default(), &no_progress)?;
     ///
     /// scan.iter_mut().for_each(|x| *x += Vector3::new(0.01, 0.0, -0.02));
     /// let updated = projector.update_many(&scan, &feet)?;
@@ -67,11 +67,13 @@ impl SurfaceProjector {
         options: &UpdateOptions,
     ) -> Result<(), Error> {
         check(points.len(), feet.len(), options)?;
+        let queries = self.frame.queries(points);
         with_set!(&self.set, set => {
-            batch::zip_chunks(points, feet, chunk_length(set.patches.len()), |points, feet, work| {
+            batch::zip_chunks(&queries, feet, chunk_length(set.patches.len()), |points, feet, work| {
                 dispatch(Update { set, points, feet, max_steps: options.max_steps, work });
             });
         });
+        self.frame.leave_all(points, feet);
         Ok(())
     }
 }
@@ -121,9 +123,11 @@ impl<const D: usize> CurveProjector<D> {
         options: &UpdateOptions,
     ) -> Result<(), Error> {
         check(points.len(), feet.len(), options)?;
-        batch::zip_chunks(points, feet, chunk_length(0), |points, feet, (): &mut ()| {
+        let queries = self.frame.queries(points);
+        batch::zip_chunks(&queries, feet, chunk_length(0), |points, feet, (): &mut ()| {
             self.update_slice(points, feet, options.max_steps);
         });
+        self.frame.leave_all(points, feet);
         Ok(())
     }
 }

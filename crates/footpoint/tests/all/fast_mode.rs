@@ -29,7 +29,7 @@ fn hardly_any_point_of_the_known_cases_is_missed() {
             for (i, (x, truth)) in rows(&queries).iter().zip(rows(&queries.with_extension("gt"))).enumerate()
             {
                 let x = Vector3::new(x[0], x[1], x[2]);
-                let foot = projector.project_with(&x, &options);
+                let foot = projector.project_with(&x, &options).unwrap();
                 let [u, v] = foot.parameter;
                 assert!((surface.point(u, v) - foot.point).norm() < 1e-9, "{shape}.{set} {i}: {foot}");
                 assert!(((foot.point - x).norm() - foot.distance).abs() < 1e-9, "{shape}.{set} {i}: {foot}");

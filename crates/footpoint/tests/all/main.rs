@@ -1,10 +1,16 @@
 //! All integration tests of `footpoint` in one binary: linking once is most of what building them costs.
 
 mod all_feet;
+mod batch_independence;
+mod certificate_bounds;
+mod facing;
 mod fast_mode;
+mod hard_cases;
 mod local_common;
 mod local_curve;
 mod local_surface;
+mod magnitudes;
+mod near_rational;
 mod projector_analytic;
 mod projector_batches;
 mod projector_classes;

@@ -55,7 +55,8 @@ fn check_surface(
 ) -> Result<(), TestCaseError> {
     let projector = SurfaceProjector::new(surface);
     let options = ProjectionOptions::default().with_mode(mode);
-    let run = |threads| with_threads(threads, || projector.project_many(points, &options, &no_progress));
+    let run =
+        |threads| with_threads(threads, || projector.project_many(points, &options, &no_progress).unwrap());
     let (one, two) = (run(1), run(2));
     prop_assert_eq!(one.len(), points.len());
     for (i, (a, b)) in one.iter().zip(&two).enumerate() {
@@ -92,7 +93,7 @@ proptest! {
         let points = many::<2>(1500);
         for mode in [Mode::Certified, Mode::Fast, Mode::Local] {
             let options = ProjectionOptions::default().with_mode(mode);
-            let run = |threads| with_threads(threads, || projector.project_many(&points, &options, &no_progress));
+            let run = |threads| with_threads(threads, || projector.project_many(&points, &options, &no_progress).unwrap());
             let (one, two) = (run(1), run(2));
             for (i, (a, b)) in one.iter().zip(&two).enumerate() {
                 prop_assert_eq!(curve_bits(a), curve_bits(b));
@@ -150,12 +151,15 @@ fn points_that_are_not_finite() {
     points[5].z = f64::NEG_INFINITY;
     for mode in [Mode::Certified, Mode::Fast, Mode::Local] {
         let options = ProjectionOptions::default().with_mode(mode);
-        let feet = projector.project_many(&points, &options, &no_progress);
+        let feet = projector.project_many(&points, &options, &no_progress).unwrap();
         for (i, foot) in feet.iter().enumerate() {
             if i % 2 == 1 {
                 assert_eq!(foot.status, Status::InvalidPoint);
                 assert!(foot.distance.is_nan() && foot.point.iter().all(|c| c.is_nan()), "{foot:?}");
-                assert_eq!(projector.project_with(&points[i], &options).status, Status::InvalidPoint);
+                assert_eq!(
+                    projector.project_with(&points[i], &options).unwrap().status,
+                    Status::InvalidPoint
+                );
             } else {
                 assert_eq!((foot.status, foot.distance), (Status::Converged, 1.0));
             }
@@ -164,7 +168,7 @@ fn points_that_are_not_finite() {
     assert_eq!(projector.project_from(&points[1], 0, [0.5, 0.5]).status, Status::InvalidPoint);
     let curve = CurveProjector::new(&parabola());
     assert_eq!(curve.project(&Vector2::new(f64::NAN, 0.0)).status, Status::InvalidPoint);
-    assert!(projector.project_many(&[], &ProjectionOptions::default(), &no_progress).is_empty());
+    assert!(projector.project_many(&[], &ProjectionOptions::default(), &no_progress).unwrap().is_empty());
 }
 
 #[test]
@@ -207,7 +211,7 @@ fn progress_counts_and_cancels() {
             largest.fetch_max(done, Ordering::Relaxed);
             ControlFlow::Continue(())
         };
-        let feet = with_threads(threads, || projector.project_many(&points, &options, &count));
+        let feet = with_threads(threads, || projector.project_many(&points, &options, &count).unwrap());
         assert!(feet.iter().all(|f| f.status.is_converged()));
         assert_eq!(largest.into_inner(), 5000);
         assert!(calls.into_inner() > 3, "called more than once, so that it can cancel");
@@ -215,7 +219,7 @@ fn progress_counts_and_cancels() {
         let stop = |done: usize, _: usize| {
             if done > 1000 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
-        let feet = with_threads(threads, || projector.project_many(&points, &options, &stop));
+        let feet = with_threads(threads, || projector.project_many(&points, &options, &stop).unwrap());
         let done = feet.iter().filter(|f| f.status.is_converged()).count();
         let cancelled = feet.iter().filter(|f| f.status == Status::Cancelled).count();
         assert_eq!((done + cancelled, feet.len()), (5000, 5000));
@@ -245,7 +249,7 @@ fn options_are_checked() {
     for value in [-1e-9, 1.0, f64::NAN, f64::INFINITY] {
         let error = ProjectionOptions::default().with_relative_gap(value).validate().unwrap_err();
         assert!(matches!(error, Error::Option { option: "relative_gap", .. }), "{error}");
-        let error = ProjectionOptions::default().with_absolute_gap(value).validate().unwrap_err();
-        assert!(matches!(error, Error::Option { option: "absolute_gap", .. }), "{error}");
+        let error = ProjectionOptions::default().with_size_gap(value).validate().unwrap_err();
+        assert!(matches!(error, Error::Option { option: "size_gap", .. }), "{error}");
     }
 }

@@ -215,7 +215,7 @@ fn ends_and_corners() {
             (location, status, Unique),
             "{x:?} {foot:?}"
         );
-        let fast = projector.project_with(&x, &ProjectionOptions::default().with_mode(Mode::Fast));
+        let fast = projector.project_with(&x, &ProjectionOptions::default().with_mode(Mode::Fast)).unwrap();
         assert_eq!(
             (fast.location, fast.status, fast.multiplicity),
             (location, status, Unknown),

@@ -25,7 +25,7 @@ fn net(degree: usize, n: usize, point: impl Fn(usize, usize) -> Vector3<f64>) ->
 fn check_surface(surface: &BsplineSurface, x: &Vector3<f64>, expected: f64) {
     let projector = SurfaceProjector::new(surface);
     for mode in MODES {
-        let foot = projector.project_with(x, &ProjectionOptions::default().with_mode(mode));
+        let foot = projector.project_with(x, &ProjectionOptions::default().with_mode(mode)).unwrap();
         check(surface, x, &foot.into(), expected, mode);
     }
 }
@@ -33,7 +33,7 @@ fn check_surface(surface: &BsplineSurface, x: &Vector3<f64>, expected: f64) {
 fn check_curve<const D: usize>(curve: &BsplineCurve<D>, x: &SVector<f64, D>, expected: f64) {
     let projector = CurveProjector::new(curve);
     for mode in MODES {
-        let foot = projector.project_with(x, &ProjectionOptions::default().with_mode(mode));
+        let foot = projector.project_with(x, &ProjectionOptions::default().with_mode(mode)).unwrap();
         check(curve, x, &foot.into(), expected, mode);
     }
 }

@@ -97,7 +97,7 @@ fn run_surface(name: &str, sets: &[&str]) {
     let projector = SurfaceProjector::new(&surface);
     for case in &cases::<3>(name, sets) {
         run(case, &surface, |x: &Vector3<f64>, mode| {
-            projector.project_with(x, &ProjectionOptions::default().with_mode(mode)).into()
+            projector.project_with(x, &ProjectionOptions::default().with_mode(mode)).unwrap().into()
         });
     }
 }
@@ -108,7 +108,7 @@ fn plane_cubic() {
     let projector = CurveProjector::new(&curve);
     for case in &cases::<2>("c_hw2", &["on", "near", "mid", "far", "beyond", "paper"]) {
         run(case, &curve, |x, mode| {
-            projector.project_with(x, &ProjectionOptions::default().with_mode(mode)).into()
+            projector.project_with(x, &ProjectionOptions::default().with_mode(mode)).unwrap().into()
         });
     }
 }

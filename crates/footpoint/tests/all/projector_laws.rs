@@ -155,8 +155,8 @@ proptest! {
             let start = [domain[0].lerp(at[0]), domain[1].lerp(at[1])];
             let started = projector.project_from(x, 0, start);
             let options = ProjectionOptions::default();
-            let fast = projector.project_with(x, &options.with_mode(Mode::Fast));
-            let local = projector.project_with(x, &options.with_mode(Mode::Local));
+            let fast = projector.project_with(x, &options.with_mode(Mode::Fast)).unwrap();
+            let local = projector.project_with(x, &options.with_mode(Mode::Local)).unwrap();
             for other in [started, fast, local] {
                 prop_assert_eq!(surface.inconsistency(x, &other.into()), None, "{:?}", other);
                 prop_assert!(other.distance >= best.lower_bound - 1e-12 * size, "{:?} {:?}", best, other);

@@ -71,7 +71,7 @@ fn batches_have_the_bits_of_single_updates_on_any_number_of_threads() {
     for (number, surface) in shapes().iter().enumerate() {
         let projector = SurfaceProjector::new(surface);
         let options = ProjectionOptions::default().with_mode(footpoint::Mode::Fast);
-        let feet = projector.project_many(&points, &options, &no_progress);
+        let feet = projector.project_many(&points, &options, &no_progress).unwrap();
         for shift in [1e-3, 3e-2] {
             let moved: Vec<_> = points.iter().map(|x| x + Vector3::new(0.6, -0.5, 0.4) * shift).collect();
             let run = |threads| with_threads(threads, || projector.update_many(&moved, &feet).unwrap());
@@ -92,7 +92,7 @@ fn one_step_is_never_worse_and_many_of_them_converge() {
     let points = cloud(1000);
     for surface in shapes() {
         let projector = SurfaceProjector::new(&surface);
-        let mut feet = projector.project_many(&points, &ProjectionOptions::default(), &no_progress);
+        let mut feet = projector.project_many(&points, &ProjectionOptions::default(), &no_progress).unwrap();
         let moved: Vec<_> = points.iter().map(|x| x + Vector3::new(0.01, 0.005, -0.01)).collect();
         let goal = projector.update_many(&moved, &feet).unwrap();
         let one = UpdateOptions::default().with_max_steps(1);
@@ -122,7 +122,7 @@ fn models_of_several_shapes_and_degrees() {
     ];
     let projector = SurfaceProjector::for_model(&shapes).unwrap();
     let points = cloud(2000);
-    let feet = projector.project_many(&points, &ProjectionOptions::default(), &no_progress);
+    let feet = projector.project_many(&points, &ProjectionOptions::default(), &no_progress).unwrap();
     let moved: Vec<_> = points.iter().map(|x| x + Vector3::repeat(2e-3)).collect();
     for (i, foot) in projector.update_many(&moved, &feet).unwrap().iter().enumerate() {
         let single = projector.project_from(&moved[i], feet[i].shape, feet[i].parameter);
@@ -173,7 +173,7 @@ fn curves_are_updated_like_surfaces() {
         let projector = CurveProjector::new(&curve);
         let points: Vec<_> =
             (0..5000).map(|i| Vector2::new(11.0 * noise(i, 0.618), 3.0 * noise(i, 0.7548) - 1.5)).collect();
-        let feet = projector.project_many(&points, &ProjectionOptions::default(), &no_progress);
+        let feet = projector.project_many(&points, &ProjectionOptions::default(), &no_progress).unwrap();
         let moved: Vec<_> = points.iter().map(|x| x + Vector2::new(0.01, -0.02)).collect();
         let run = |threads| with_threads(threads, || projector.update_many(&moved, &feet).unwrap());
         let (one, two) = (run(1), run(2));

@@ -5,6 +5,7 @@ use super::project::Search;
 use crate::args::Common;
 use crate::demo::{self, Bolt, Data, Files, Zones};
 use crate::error::Error;
+use crate::files;
 use crate::projection::{self, Job};
 use crate::report::{Output, Report, Timings};
 use crate::staging::create_error;
@@ -54,6 +55,7 @@ impl Args {
 
 /// Runs the command.
 pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<Outcome, Error> {
+    files::check_folder(&args.out)?;
     let data = Data::find(args.data.as_deref())?;
     let bolt = Bolt::read(&data.placement)?;
     fs::create_dir_all(&args.out).map_err(|source| create_error(&args.out, source))?;
@@ -63,7 +65,9 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         model: &data.model,
         points: &data.scan,
         out: &csv,
+        format: None,
         options: args.search.options()?,
+        max_angle: None,
         mode: args.search.mode,
         drop_non_finite: args.search.drop_non_finite,
         threads: common.threads,
@@ -80,7 +84,7 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
     })?;
     report.timings = timings;
     let content = "picture: side view, unrolled map, thread profile, histogram, statistics".to_owned();
-    report.outputs.push(Output { path: svg.clone(), bytes, content });
+    report.add_output(Output { path: svg.clone(), bytes, content });
 
     let (text, registered) = demo::align(&data, &bolt, &args.out, &job.options, common, report)?;
     let summary = format!("{}\n{}\n{text}", summary::of(report), explain(&zones, &job, &svg));

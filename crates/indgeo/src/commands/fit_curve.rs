@@ -2,6 +2,7 @@
 
 use super::Outcome;
 use super::fit_loop::LoopArgs;
+use super::numbers;
 use crate::args::Common;
 use crate::error::Error;
 use crate::fitting_curve::{self, Job};
@@ -21,25 +22,26 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Args {
     /// The points: any cloud of two or three columns; a third column of zeros counts as none; `-` is standard input
     points: PathBuf,
-    /// The curve (NURBS JSON)
+    /// The curve (NURBS JSON); `-` is standard output
     #[arg(long, short, value_name = "OUT.json")]
     out: Option<PathBuf>,
     /// Largest distance of a point that is wanted, in the units of the file
-    #[arg(long, value_name = "T", conflicts_with = "controls")]
+    #[arg(long, value_name = "T", conflicts_with = "controls", value_parser = numbers::length)]
     tolerance: Option<f64>,
     /// Number of control points, repetitions in a closed curve not counted [default: by tolerance or noise]
-    #[arg(long = "control-points", visible_alias = "controls", value_name = "N", conflicts_with = "init")]
+    #[arg(long = "control-points", visible_alias = "controls", value_name = "N", conflicts_with = "init", value_parser = numbers::count)]
     controls: Option<usize>,
     /// Most control points
     #[arg(
         long = "max-control-points",
         visible_alias = "max-controls",
         value_name = "N",
-        default_value_t = 200
+        default_value_t = 200,
+        value_parser = numbers::count
     )]
     max_controls: usize,
     /// Degree
-    #[arg(long, value_name = "P", default_value_t = 3, conflicts_with = "init")]
+    #[arg(long, value_name = "P", default_value_t = 3, conflicts_with = "init", value_parser = numbers::degree)]
     degree: usize,
     /// The curve is closed [default: as the points show]
     #[arg(long, conflicts_with_all = ["open", "init"])]
@@ -71,12 +73,12 @@ pub(crate) struct Args {
 }
 
 const AFTER_HELP: &str = "\
-The report (--json) holds in `results`: status, `closed` and why (`closure`), `start`, `controls`, `degree`, `rms`, `max`,
-`max_index`, `share_within` and `reached` (with a tolerance), `crossings` (parameters at which a plane curve crosses itself),
-`stages` (the runs of the iteration) and `history` (every iteration of those that were kept).
+The report (--json) holds in `results`: `status`, `closed` and why (`closure`), `start`, `control_points`, `degree`, `rms`, `max`,
+`max_index`, `share_within` and `within_tolerance` (with a tolerance), `crossings` (parameters at which a plane curve crosses
+itself), `stages` (the runs of the iteration) and `history` (every iteration of those that were kept).
 
-Exit status 0: done, and the tolerance, if there is one, holds; 1: it does not hold, or the iteration did not converge (files
-are written nevertheless); 2: bad input or usage.
+Exit status 0: the tolerance holds, or, without one, the iteration converged; 1: it does not hold, or the iteration did not converge
+(files are written nevertheless); 2: bad input or usage; 130: interrupted.
 
 Examples:
   indgeo fit-curve section.xyz -o section.json
@@ -121,6 +123,6 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         options: args.options(),
         quiet: common.quiet,
     };
-    let good = fitting_curve::run(&job, report)?;
-    Ok(Outcome::fitted(summary::of(report), good, args.tolerance))
+    let verdict = fitting_curve::run(&job, report)?;
+    Ok(Outcome::fitted(summary::of(report), verdict))
 }

@@ -2,7 +2,7 @@
 
 use super::fit_loop::LoopArgs;
 use super::fit_surface::parse_pair;
-use super::{Outcome, parse_triple};
+use super::{Outcome, numbers, parse_triple};
 use crate::args::Common;
 use crate::error::Error;
 use crate::fitting_ruled::{self, Job};
@@ -23,14 +23,14 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Args {
     /// A cloud, a mesh, whose vertices are taken, or NURBS surfaces (JSON), on which points are sampled; `-` is standard input
     points: PathBuf,
-    /// The surface, of degree 1 in v (NURBS JSON)
+    /// The surface, of degree 1 in v (NURBS JSON); `-` is standard output
     #[arg(long, short, value_name = "OUT.json")]
     out: Option<PathBuf>,
     /// Largest distance of a point that is wanted, in the units of the file
-    #[arg(long, value_name = "T")]
+    #[arg(long, value_name = "T", value_parser = numbers::length)]
     tolerance: Option<f64>,
     /// Share of the points that must lie within the tolerance, 0 to 1
-    #[arg(long, value_name = "SHARE", default_value_t = 1.0, requires = "tolerance")]
+    #[arg(long, value_name = "SHARE", default_value_t = 1.0, requires = "tolerance", value_parser = numbers::share)]
     share: f64,
     /// Control points on a section, and sections (to begin with, where there is a tolerance)
     #[arg(
@@ -47,11 +47,12 @@ pub(crate) struct Args {
         long = "max-control-points",
         visible_alias = "max-controls",
         value_name = "N",
-        default_value_t = 2000
+        default_value_t = 2000,
+        value_parser = numbers::count
     )]
     max_controls: usize,
     /// Degree along the sections
-    #[arg(long, value_name = "P", default_value_t = 3, conflicts_with = "init")]
+    #[arg(long, value_name = "P", default_value_t = 3, conflicts_with = "init", value_parser = numbers::degree)]
     degree: usize,
     /// Whether sections are open or closed
     #[arg(long, value_enum, default_value_t = ShapeChoice::Auto, conflicts_with = "init")]
@@ -68,10 +69,10 @@ pub(crate) struct Args {
     fixed_ends: bool,
     /// Fit the offset at distance R on the side of the normals, negative for the other side; needs normals (a mesh, a cloud with
     /// normals, or NURBS)
-    #[arg(long, value_name = "R", allow_negative_numbers = true)]
+    #[arg(long, value_name = "R", value_parser = numbers::signed)]
     offset: Option<f64>,
     /// Penalise twisted rulings: LENGTH counts like an angle of one radian between the normals at the ends of a ruling; begin small
-    #[arg(long, value_name = "LENGTH", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "LENGTH", default_value_t = 0.0, value_parser = numbers::not_negative)]
     developable: f64,
     #[command(flatten)]
     iteration: LoopArgs,
@@ -100,13 +101,14 @@ fn parse_level(text: &str) -> Result<Level, String> {
 }
 
 const AFTER_HELP: &str = "\
-The report (--json) holds in `results`: `fit` (status, rms, max, lambda, history of all iterations), `base` (plane or cylinder: what
-the first parameters were taken from), `controls` (on a section, sections), `developability` (angles in radians between the normals
-at the two ends of rulings; 0 for surfaces that unroll into the plane), `folds`, `share_within`, `within_tolerance`, `runs`,
-`dropped`, and of an offset `gouging` (points at which the cutter would cut into the shape elsewhere; they do not count).
+The report (--json) holds in `results`: `status`, `rms`, `max`, `max_index`, `lambda`, `history` of all iterations, `base` (plane or
+cylinder: what the first parameters were taken from), `control_points` (on a section, sections), `developability` (angles in radians
+between the normals at the two ends of rulings; 0 for surfaces that unroll into the plane), `folds`, `share_within` and
+`within_tolerance` (with a tolerance), `runs`, `points_dropped`, and of an offset `gouging` (points at which the cutter would cut into
+the shape elsewhere; they are not used).
 
-Exit status 0: done, and the tolerance, if there is one, holds; 1: the tolerance does not hold, or the iteration failed (the
-surface is written nevertheless); 2: bad input or usage.
+Exit status 0: the tolerance holds, or, without one, the iteration converged; 1: it does not hold, or the iteration did not converge
+(the surface is written nevertheless); 2: bad input or usage; 130: interrupted.
 
 Examples:
   indgeo fit-ruled blade.ply -o flank.json --control-points 20x2
@@ -157,6 +159,6 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         quiet: common.quiet,
     };
     super::something_written(args.out.is_some(), common, "-o OUT.json")?;
-    let good = fitting_ruled::run(&job, report)?;
-    Ok(Outcome::fitted(summary::of(report), good, args.tolerance))
+    let verdict = fitting_ruled::run(&job, report)?;
+    Ok(Outcome::fitted(summary::of(report), verdict))
 }

@@ -2,12 +2,14 @@
 
 use super::Outcome;
 use super::fit_loop::LoopArgs;
+use super::numbers;
 use crate::args::Common;
 use crate::error::Error;
 use crate::fitting_subdivision::{self, Job};
 use crate::report::Report;
 use crate::summary;
 use industrial_geometry::fit::subdivision::subdivision_options;
+use industrial_geometry::io::Format;
 use std::path::{Path, PathBuf};
 
 /// Fit a Loop subdivision surface to a mesh or a scan
@@ -20,9 +22,12 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Args {
     /// A mesh, whose vertices are fitted, or a cloud together with --init; `-` is standard input
     points: PathBuf,
-    /// The control mesh: .obj, .ply, .off or .stl
+    /// The control mesh: .obj, .ply, .off or .stl; `-` is standard output (OBJ)
     #[arg(long, short, value_name = "OUT")]
     out: Option<PathBuf>,
+    /// Format of the meshes that are written, whatever their extension: obj, ply, off or stl
+    #[arg(long, value_name = "FORMAT", value_parser = parse_format)]
+    format: Option<Format>,
     /// The limit surface as a mesh: the control mesh subdivided --levels times, its vertices moved to their limits
     #[arg(long, value_name = "FILE")]
     limit: Option<PathBuf>,
@@ -36,7 +41,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "MESH")]
     init: Option<PathBuf>,
     /// Largest distance of a point that is wanted, in the units of the file
-    #[arg(long, value_name = "T", value_parser = parse_tolerance)]
+    #[arg(long, value_name = "T", value_parser = numbers::length)]
     tolerance: Option<f64>,
     #[command(flatten)]
     iteration: LoopArgs,
@@ -47,18 +52,21 @@ fn parse_count(text: &str) -> Result<usize, String> {
     count.ok_or_else(|| "give a number of vertices from 4 to 1000000".to_owned())
 }
 
-fn parse_tolerance(text: &str) -> Result<f64, String> {
-    let tolerance = text.parse().ok().filter(|t: &f64| *t > 0.0 && t.is_finite());
-    tolerance.ok_or_else(|| "give a positive length".to_owned())
+fn parse_format(text: &str) -> Result<Format, String> {
+    let keeps_triangles =
+        |format: &Format| matches!(format, Format::Obj | Format::Ply | Format::Off | Format::Stl);
+    Format::from_extension(text)
+        .filter(keeps_triangles)
+        .ok_or_else(|| "choose obj, ply, off or stl".to_owned())
 }
 
 const AFTER_HELP: &str = "\
-The report (--json) holds in `results`: `fit` (status, rms, max, lambda, history of all iterations), `vertices` and `triangles` of
-the control mesh, `irregular` (its inner vertices without six neighbours), `start` (`coarsened` or `given`), `share_within` and
-`within_tolerance` (with a tolerance), `dropped`.
+The report (--json) holds in `results`: `status`, `rms`, `max`, `max_index`, `lambda`, `history` of all iterations, `vertices` and
+`triangles` of the control mesh, `irregular` (its inner vertices without six neighbours), `start` (`coarsened` or `given`),
+`share_within` and `within_tolerance` (with a tolerance), `points_dropped`.
 
-Exit status 0: done, and the tolerance, if there is one, holds; 1: the tolerance does not hold, or the iteration failed (files
-are written nevertheless); 2: bad input or usage.
+Exit status 0: the tolerance holds, or, without one, the iteration converged; 1: it does not hold, or the iteration did not converge
+(files are written nevertheless); 2: bad input or usage; 130: interrupted.
 
 Examples:
   indgeo fit-subdivision scan.ply -o control.obj --vertices 300
@@ -79,6 +87,7 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         points: &args.points,
         init: args.init.as_deref(),
         out: args.out.as_deref(),
+        format: args.format,
         limit: args.limit.as_deref().map(|path| (path, args.levels)),
         vertices: args.vertices,
         tolerance: args.tolerance,
@@ -86,6 +95,6 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         quiet: common.quiet,
     };
     super::something_written(!args.files().1.is_empty(), common, "-o OUT.obj")?;
-    let good = fitting_subdivision::run(&job, report)?;
-    Ok(Outcome::fitted(summary::of(report), good, args.tolerance))
+    let verdict = fitting_subdivision::run(&job, report)?;
+    Ok(Outcome::fitted(summary::of(report), verdict))
 }

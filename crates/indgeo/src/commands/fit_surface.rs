@@ -2,6 +2,7 @@
 
 use super::Outcome;
 use super::fit_loop::LoopArgs;
+use super::numbers;
 use crate::args::Common;
 use crate::error::Error;
 use crate::fitting_surface::{self, Job};
@@ -21,14 +22,14 @@ pub(crate) struct Args {
     /// The points: any cloud, or a mesh, whose vertices are taken, and points on its triangles where it was thinned out; `-` is
     /// standard input
     points: PathBuf,
-    /// The surface (NURBS JSON)
+    /// The surface (NURBS JSON); `-` is standard output
     #[arg(long, short, value_name = "OUT.json")]
     out: Option<PathBuf>,
     /// Largest distance of a point that is wanted, in the units of the file
-    #[arg(long, value_name = "T")]
+    #[arg(long, value_name = "T", value_parser = numbers::length)]
     tolerance: Option<f64>,
     /// Share of the points that must lie within the tolerance, 0 to 1
-    #[arg(long, value_name = "SHARE", default_value_t = 1.0, requires = "tolerance")]
+    #[arg(long, value_name = "SHARE", default_value_t = 1.0, requires = "tolerance", value_parser = numbers::share)]
     share: f64,
     /// Control points in u and v (to begin with, where there is a tolerance); 12x12, or those of --init, which gets more knots for
     /// more
@@ -39,7 +40,8 @@ pub(crate) struct Args {
         long = "max-control-points",
         visible_alias = "max-controls",
         value_name = "N",
-        default_value_t = 10_000
+        default_value_t = 10_000,
+        value_parser = numbers::count
     )]
     max_controls: usize,
     /// Degrees in u and v
@@ -76,14 +78,15 @@ enum ShapeChoice {
 }
 
 const AFTER_HELP: &str = "\
-The report (--json) holds in `results`: `fit` (status, rms, max, lambda, history of all iterations), `base` (plane, cylinder,
-sphere or torus: what the first parameters were taken from), `start` (why, and how near the base surface and the least squares
-surface were, before the distances were minimised), `controls`, `share_within`, `within_tolerance`, `folds` (cells
-in which the surface folds back on itself), `dropped` (points that are not finite).
+The report (--json) holds in `results`: `status`, `rms`, `max`, `max_index`, `lambda`, `history` of all iterations, `base` (plane,
+cylinder, sphere or torus: what the first parameters were taken from), `start` (why, and how near the base surface and the least
+squares surface were, before the distances were minimised), `control_points`, `share_within` and `within_tolerance` (with a
+tolerance), `folds` (cells in which the surface folds back on itself), `points_dropped` (points that are not finite).
 
-Exit status 0: done, and the tolerance, if there is one, holds; 1: the tolerance does not hold, the iteration failed, the surface
-folds, is farther from the points than they are from each other, or the points are of no kind that is known (the surface is written
-nevertheless); 2: bad input or usage, as points that are not of the kind that was asked for, or not one surface.
+Exit status 0: the tolerance holds, or, without one, the iteration converged; 1: it does not hold, the iteration did not converge, or
+the surface folds, is farther from the points than they are from each other, or the points are of no kind that is known (the surface
+is written nevertheless); 2: bad input or usage, as points that are not of the kind that was asked for, or not one surface; 130:
+interrupted.
 
 Examples:
   indgeo fit-surface scan.ply -o surface.json --tolerance 0.05
@@ -142,6 +145,6 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         options: args.options(),
         quiet: common.quiet,
     };
-    let good = fitting_surface::run(&job, report)?;
-    Ok(Outcome::fitted(summary::of(report), good, args.tolerance))
+    let verdict = fitting_surface::run(&job, report)?;
+    Ok(Outcome::fitted(summary::of(report), verdict))
 }

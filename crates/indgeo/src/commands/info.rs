@@ -1,13 +1,15 @@
 //! `indgeo info`: what a file holds.
 
 use super::Outcome;
+use crate::args::Common;
 use crate::error::Error;
 use crate::files;
 use crate::model::kind;
 use crate::report::{Input, Report, Results, Timings};
+use crate::session;
 use industrial_geometry::io::{Content, ReadOptions, ReadReport, Shape};
 use industrial_geometry::mesh::nalgebra::Point3;
-use industrial_geometry::mesh::{Attributes, BoundingBox, TriangleMesh};
+use industrial_geometry::mesh::{Attributes, BoundingBox, MeshTopology, TriangleMesh};
 use industrial_geometry::nurbs::{BsplineCurve, BsplineSurface, KnotVector};
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -24,17 +26,30 @@ pub(crate) struct Args {
     /// Files of any format that is read; `-` is standard input
     #[arg(required = true)]
     pub(crate) files: Vec<PathBuf>,
+    /// Take commas in the numbers of tables as decimal signs, where the file leaves that open
+    #[arg(long)]
+    decimal_comma: bool,
 }
 
 /// Runs the command.
-pub(crate) fn run(args: &Args, report: &mut Report) -> Result<Outcome, Error> {
+pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<Outcome, Error> {
     files::check_inputs(&args.files.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
     let mut timings = Timings::default();
     let mut facts = Vec::new();
+    let mut errors = Vec::new();
     let mut summary = String::new();
+    let options = ReadOptions::default().with_decimal_comma(args.decimal_comma);
     for path in &args.files {
-        let loaded = Timings::measure(&mut timings.read, || files::read(path, &ReadOptions::default()))?;
-        report.inputs.push(Input::new("file", path, &loaded.report));
+        let loaded = match Timings::measure(&mut timings.read, || files::read(path, &options)) {
+            Ok(loaded) => loaded,
+            Err(error) => {
+                // The other files are told about nevertheless.
+                facts.push(json!({ "path": path.to_string_lossy(), "error": error.to_string() }));
+                errors.push(error);
+                continue;
+            }
+        };
+        report.add_input(Input::new("file", path, &loaded.report));
         let warnings = loaded.report.warnings.iter();
         report.warnings.extend(warnings.map(|warning| format!("{}: {warning}", path.display())));
         let fact = describe(path, &loaded.content, &loaded.report);
@@ -44,12 +59,19 @@ pub(crate) fn run(args: &Args, report: &mut Report) -> Result<Outcome, Error> {
     }
     report.timings = timings;
     report.results = Some(Results::Files(facts));
-    Ok(Outcome::new(summary, true))
+    let outcome = Outcome::new(summary, true);
+    if errors.is_empty() {
+        return Ok(outcome);
+    }
+    if errors.len() < args.files.len() {
+        session::tell(common, false, &outcome, &report.warnings)?;
+    }
+    Err(Error::Files { errors })
 }
 
 /// The facts about a file, as the report has them.
 fn describe(path: &Path, content: &Content, report: &ReadReport) -> Value {
-    let mut fact = json!({ "path": path, "format": report.format.extension() });
+    let mut fact = json!({ "path": path.to_string_lossy(), "format": report.format.extension() });
     let more = match content {
         Content::Cloud(cloud) => json!({
             "kind": "cloud",
@@ -74,7 +96,9 @@ fn describe(path: &Path, content: &Content, report: &ReadReport) -> Value {
 }
 
 fn describe_mesh(mesh: &TriangleMesh, report: &ReadReport) -> Value {
-    let topology = mesh.welded_topology();
+    let weld = mesh.weld();
+    let corners = mesh.triangles().iter().map(|corners| corners.map(|index| weld.first[index as usize]));
+    let topology = MeshTopology::of(&corners.collect::<Vec<_>>());
     json!({
         "kind": "mesh",
         "dimension": 3,
@@ -91,6 +115,7 @@ fn describe_mesh(mesh: &TriangleMesh, report: &ReadReport) -> Value {
         "non_manifold_edges": topology.non_manifold_edges,
         "inconsistent_edges": topology.inconsistent_edges,
         "degenerate_triangles": topology.degenerate_triangles,
+        "joined_corners": weld.joined,
     })
 }
 
@@ -150,6 +175,8 @@ fn attributes(attributes: &Attributes) -> Vec<String> {
         names.push("colours".to_owned());
     }
     names.extend(attributes.scalars().iter().map(|field| field.name.clone()));
+    names.extend(attributes.names().map(|_| "names".to_owned()));
+    names.extend(attributes.texts().iter().map(|field| field.name().to_owned()));
     names
 }
 

@@ -1,10 +1,12 @@
 //! `indgeo inspect`: deviations of a scan from its model, and whether they are within tolerance.
 
 use super::Outcome;
+use super::numbers;
 use super::project::Search;
 use crate::args::Common;
 use crate::error::Error;
 use crate::inspecting::{self, Job};
+use crate::output::Format;
 use crate::report::Report;
 use crate::summary;
 use industrial_geometry::inspection::{Along, InspectionOptions, Tolerance};
@@ -17,21 +19,21 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = AFTER_HELP)]
 pub(crate) struct Args {
-    /// NURBS surfaces or curves (JSON), or a triangle mesh (STL, PLY, OBJ, OFF)
+    /// NURBS surfaces or curves (JSON, or free-form OBJ), or a triangle mesh (STL, PLY, OBJ, OFF)
     model: PathBuf,
-    /// Points: PLY, XYZ, CSV, PTS, PCD, OBJ, STL or OFF; of a mesh its vertices
+    /// Points: PLY, XYZ, CSV, PTS, PTX, PCD, OBJ, STL or OFF; of a mesh its vertices
     points: PathBuf,
     /// Allowed deviation to both sides; --lower and --upper replace one limit each
-    #[arg(long, short, value_name = "T", required_unless_present_all = ["lower", "upper"])]
+    #[arg(long, short, value_name = "T", value_parser = numbers::length, required_unless_present_all = ["lower", "upper"])]
     tolerance: Option<f64>,
     /// Smallest allowed deviation, with its sign [default: -T]
-    #[arg(long, value_name = "L", allow_negative_numbers = true)]
+    #[arg(long, value_name = "L", value_parser = numbers::signed)]
     lower: Option<f64>,
     /// Largest allowed deviation, with its sign [default: T]
-    #[arg(long, value_name = "U", allow_negative_numbers = true)]
+    #[arg(long, value_name = "U", value_parser = numbers::signed)]
     upper: Option<f64>,
     /// Share of the points that must be within tolerance to pass, 0 to 1
-    #[arg(long, value_name = "SHARE", default_value_t = 1.0)]
+    #[arg(long, value_name = "SHARE", default_value_t = 1.0, value_parser = numbers::share_or_none)]
     min_share: f64,
     /// Line along which a point is projected: `shortest`, `normal` (the point's own), or a direction X,Y,Z
     #[arg(long, value_name = "LINE", default_value = "shortest", allow_hyphen_values = true, value_parser = parse_along)]
@@ -39,8 +41,14 @@ pub(crate) struct Args {
     /// The same as --along X,Y,Z
     #[arg(long, value_name = "X,Y,Z", conflicts_with = "along", allow_hyphen_values = true, value_parser = parse_direction)]
     direction: Option<[f64; 3]>,
+    /// Largest angle between the normal of a point and that of the model where it is measured, up to 180 (no limit)
+    ///
+    /// A thin wall is then measured on the face that was scanned. Needs points with normals that point out of the material.
+    /// With --along normal the default is 90, otherwise there is no limit.
+    #[arg(long, value_name = "DEG", value_parser = super::parse_angle)]
+    max_angle: Option<f64>,
     /// Count points farther from the model than this, but do not use them
-    #[arg(long, value_name = "D", default_value_t = f64::INFINITY)]
+    #[arg(long, value_name = "D", default_value_t = f64::INFINITY, value_parser = numbers::limit)]
     max_distance: f64,
     /// Count points beyond the boundary of the model, but do not use them
     #[arg(long)]
@@ -48,40 +56,57 @@ pub(crate) struct Args {
     /// How many of the worst points are listed
     #[arg(long, value_name = "K", default_value_t = 10)]
     worst: u16,
-    /// Move the points first: JSON with the `matrix` (4 × 4, row by row)
+    /// Move the points first: JSON with the `matrix` (4 × 4, row by row) of a rigid motion, as `register` writes it
     #[arg(long, value_name = "FILE")]
     transform: Option<PathBuf>,
     /// Write a page (HTML) that works offline: map of the deviations, histogram, tables
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
-    /// Write the deviation of every point; its format follows from the extension: .csv, .ply or .json
+    /// Write the deviation of every point; its format follows from the extension: .csv, .ply or .json; `-` is standard output (CSV)
     #[arg(long, short, value_name = "OUT")]
     out: Option<PathBuf>,
+    /// Format of OUT, whatever its extension
+    #[arg(long, value_enum, requires = "out")]
+    format: Option<Format>,
     #[command(flatten)]
     search: Search,
 }
 
 const AFTER_HELP: &str = "\
 A deviation is the distance of a point from the model along the line of projection, positive on the side to which the
-normal (du x dv, or that of the triangles) points. Along normals and directions, the nearest crossing in either sense counts. In the plane deviations are positive on
-the left of a curve, in space curves give them no sign; both take --along shortest only.
+normal (du x dv, or that of the triangles) points. Along normals and directions, the nearest crossing in either sense
+counts. In the plane deviations are positive on the left of a curve, in space curves give them no sign; both take --along
+shortest only, and no --max-angle.
 
-Verdict: pass if (points within) / (points measured + points that did not converge) >= SHARE, and there is one. Points
-beyond D, beyond the boundary (if dropped), whose line misses the model, without a normal, or not finite are counted, but
-not judged. Exit status 0: pass; 1: fail; 2: bad input or usage.
+With --max-angle only those feet and crossings count where the normal of the model is within DEG of that of the point: local
+minima of the distance on surfaces, the nearest points of the triangles that agree on a mesh; on an edge, kink or seam the
+normal of any face there will do. What is proven is proven for these. At 90 a face that stands exactly upright does not
+count. Files cannot tell whether normals have a side: where they have none, --along normal takes --max-angle 180.
+
+Verdict: pass if (points within) / (points judged) >= SHARE, and there is one. Judged are the points measured, and as not
+within: those that are undecided, have no_matching_foot (no place of the model agrees with their normal), or not_converged
+(no footpoint was found). A point is undecided if all that is proven about its distance, an interval from a lower bound to
+the distance found, reaches across a limit of the tolerance; it fails the part only if SHARE is then not reached. A point
+whose whole interval lies within the tolerance is within, whether its iteration converged or not. A certified distance
+counts as it is, up to --relative-gap.
+Points beyond D, beyond the boundary (if dropped), whose line misses the model, with a normal that is zero or not finite
+where one is needed (no_normal), or not finite themselves are counted, but not judged; the last two cause a warning.
+Shares are rounded to the bad side: 100.00 % means all. Exit status 0: pass; 1: fail; 2: bad input or usage; 130:
+interrupted.
 
 Columns of OUT, one row per point, in the order of POINTS:
   surfaces  x,y,z,foot_x,foot_y,foot_z,normal_x,normal_y,normal_z,distance,shape,u,v,location,result
   mesh      ... with triangle in place of u,v
   curves    ... with t in place of u,v; in the plane (points of two columns) without z: x,y,foot_x,foot_y,normal_x,...
 x,y,z are the coordinates after --transform. result: within, over, under, or why the point is not judged:
-beyond_max_distance, beyond_boundary, no_hit, no_normal, not_converged, invalid_point. PLY has red,green,blue too.
-The form of --json is that of docs/schema/inspection.schema.json.
+beyond_max_distance, beyond_boundary, no_hit, no_normal, not_converged, invalid_point, no_matching_foot, undecided. PLY has
+red,green,blue too. The form of --json is that of docs/schema/inspect.schema.json.
 
 Examples:
   indgeo inspect part.json scan.ply --tolerance 0.05 --report report.html --json report.json
   indgeo inspect part.stl scan.xyz --lower -0.1 --upper 0.3 --min-share 0.99 -o deviations.ply
-  indgeo inspect part.json scan.ply -t 0.05 --along 0,0,1 --max-distance 2";
+  indgeo inspect part.json scan.ply -t 0.05 --along 0,0,1 --max-distance 2
+  indgeo inspect sheet.stl scan.ply -t 0.05 --max-angle 60";
 
 fn parse_direction(text: &str) -> Result<[f64; 3], String> {
     let direction = super::parse_triple(text).filter(|d| d.iter().any(|value| *value != 0.0));
@@ -110,9 +135,6 @@ impl Args {
     }
 
     fn options(&self) -> Result<InspectionOptions, Error> {
-        if let Some(half) = self.tolerance.filter(|half| half.is_nan() || *half <= 0.0) {
-            return Err(Error::usage(format!("--tolerance is {half}, it must be positive"), "give a length"));
-        }
         let half = self.tolerance.unwrap_or(f64::NAN);
         let tolerance = Tolerance::new(self.lower.unwrap_or(-half), self.upper.unwrap_or(half));
         let options = tolerance.and_then(|tolerance| {
@@ -122,10 +144,10 @@ impl Args {
                 .with_max_distance(self.max_distance)
                 .with_drop_beyond_boundary(self.drop_beyond_boundary)
                 .with_worst(usize::from(self.worst));
+            let options = InspectionOptions { max_angle: self.max_angle.map(f64::to_radians), ..options };
             options.validate().map(|()| options)
         });
-        let options =
-            options.map_err(|error| Error::usage(error.to_string(), "see `indgeo inspect --help`"))?;
+        let options = options.map_err(|error| inspecting::usage(&error))?;
         Ok(options.with_projection(self.search.options()?))
     }
 }
@@ -138,6 +160,7 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         transform: args.transform.as_deref(),
         page: args.report.as_deref(),
         out: args.out.as_deref(),
+        format: args.format,
         options: args.options()?,
         mode: args.search.mode.name(),
         drop_non_finite: args.search.drop_non_finite,

@@ -9,6 +9,7 @@ pub(crate) mod fit_subdivision;
 pub(crate) mod fit_surface;
 pub(crate) mod info;
 pub(crate) mod inspect;
+mod numbers;
 pub(crate) mod parameterize;
 pub(crate) mod project;
 pub(crate) mod register;
@@ -17,6 +18,8 @@ pub(crate) mod selftest;
 
 use crate::args::{Command, Common};
 use crate::error::Error;
+use crate::fit_numbers::FitVerdict;
+use crate::paths;
 use crate::report::Report;
 
 /// What a command says when it is done.
@@ -36,10 +39,9 @@ impl Outcome {
         Self { summary, converged, otherwise: "not_converged" }
     }
 
-    /// The outcome of a fit, which may have been asked for a tolerance.
-    pub(crate) fn fitted(summary: String, good: bool, tolerance: Option<f64>) -> Self {
-        let otherwise = if tolerance.is_some() { "out_of_tolerance" } else { "not_converged" };
-        Self { summary, converged: good, otherwise }
+    /// The outcome of a fit.
+    pub(crate) fn fitted(summary: String, verdict: FitVerdict) -> Self {
+        Self { summary, converged: verdict == FitVerdict::Good, otherwise: verdict.name() }
     }
 }
 
@@ -48,6 +50,14 @@ fn parse_triple(text: &str) -> Option<[f64; 3]> {
     let parts: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
     let triple: [f64; 3] = parts.ok()?.try_into().ok()?;
     triple.iter().all(|value| value.is_finite()).then_some(triple)
+}
+
+/// A largest angle in degrees.
+fn parse_angle(text: &str) -> Result<f64, String> {
+    let angle: Option<f64> = text.trim().parse().ok();
+    angle
+        .filter(|angle| *angle > 0.0 && *angle <= 180.0)
+        .ok_or_else(|| "an angle is a number of degrees above 0, at most 180".to_owned())
 }
 
 /// Makes sure that a fit leaves something behind: a file, or the report.
@@ -60,6 +70,7 @@ fn something_written(any_file: bool, common: &Common, output: &str) -> Result<()
 
 /// Runs a command and fills in its report.
 pub(crate) fn run(command: &Command, common: &Common, report: &mut Report) -> Result<Outcome, Error> {
+    paths::check(command)?;
     match command {
         Command::Project(args) => project::run(args, common, report),
         Command::Inspect(args) => inspect::run(args, common, report),
@@ -71,7 +82,7 @@ pub(crate) fn run(command: &Command, common: &Common, report: &mut Report) -> Re
         Command::FitRuled(args) => fit_ruled::run(args, common, report),
         Command::FitSubdivision(args) => fit_subdivision::run(args, common, report),
         Command::Convert(args) => convert::run(args, report),
-        Command::Info(args) => info::run(args, report),
+        Command::Info(args) => info::run(args, common, report),
         Command::Demo(args) => demo::run(args, common, report),
         Command::Selftest(_) => selftest::run(common, report),
     }

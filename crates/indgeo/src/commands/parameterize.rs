@@ -4,6 +4,7 @@ use super::Outcome;
 use super::fit_surface::parse_pair;
 use crate::args::Common;
 use crate::error::Error;
+use crate::output::Format;
 use crate::parameterizing::{self, Job};
 use crate::report::Report;
 use crate::summary;
@@ -21,12 +22,15 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Args {
     /// The points: any cloud, or the vertices of a mesh, and points on its triangles where it was thinned out; `-` is standard input
     points: PathBuf,
-    /// The base surface (NURBS JSON), periodic in u where it is closed
+    /// The base surface (NURBS JSON), periodic in u where it is closed; `-` is standard output
     #[arg(long, short, value_name = "BASE.json")]
     out: Option<PathBuf>,
     /// The parameters: x, y, z, u, v, distance, used, status, one row per point; .csv, .ply or .json
     #[arg(long, value_name = "UV.csv")]
     params: Option<PathBuf>,
+    /// Format of UV, whatever its extension; on standard output (`-`) CSV
+    #[arg(long, value_enum, requires = "params")]
+    format: Option<Format>,
     /// A surface fitted with these parameters (NURBS JSON): least squares, finished by squared distance minimisation
     #[arg(long, value_name = "FITTED.json")]
     fit: Option<PathBuf>,
@@ -84,8 +88,9 @@ and crossovers, the share of the points with one closest point only, and the tim
 folds after least squares and after the finish. A finish that would fold, or come no nearer to the points, is not taken, and the
 report says so.
 
-Exit status 0: the surfaces follow the points and have no folds; 1: one folds, the base surface lies over large holes, or many points lie beyond its
-ends (files are written nevertheless); 2: bad input or usage, as points that do not go around the axis.
+Exit status 0: the surfaces follow the points and have no folds; 1: one folds, the base surface lies over large holes, many points lie
+beyond its ends (files are written nevertheless); 2: bad input or usage, as points that do not go around the axis; 130: interrupted. The
+finish is a limited number of iterations; a warning says when it would go on.
 
 Examples:
   indgeo parameterize scan.ply -o base.json --params uv.csv
@@ -155,12 +160,13 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         points: &args.points,
         base: args.out.as_deref(),
         params: args.params.as_deref(),
+        format: args.format,
         fitted: args.fit.as_deref(),
         options: args.options(),
         fit,
         finish: !args.no_finish,
         quiet: common.quiet,
     };
-    let converged = parameterizing::run(&job, report)?;
-    Ok(Outcome::new(summary::of(report), converged))
+    let verdict = parameterizing::run(&job, report)?;
+    Ok(Outcome::fitted(summary::of(report), verdict))
 }

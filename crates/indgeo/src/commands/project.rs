@@ -1,8 +1,10 @@
 //! `indgeo project`: the closest point of a model for every point of a scan.
 
 use super::Outcome;
+use super::numbers;
 use crate::args::Common;
 use crate::error::Error;
+use crate::output::Format;
 use crate::projection::{self, Job};
 use crate::report::Report;
 use crate::summary;
@@ -12,17 +14,26 @@ use std::path::PathBuf;
 
 /// Find the closest point of MODEL for every point of POINTS
 ///
-/// The answer is certified: no other point of the model is nearer, but for a gap that is reported.
+/// The answer is certified: no other point of the model is nearer, but for a gap that is reported; a point for which the
+/// proof stays open is `uncertified`, and the exit status 1.
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = AFTER_HELP)]
 pub(crate) struct Args {
-    /// NURBS curves or surfaces (JSON), or a triangle mesh (STL, PLY, OBJ, OFF); `-` is standard input
+    /// NURBS curves or surfaces (JSON, or free-form OBJ), or a triangle mesh (STL, PLY, OBJ, OFF); `-` is standard input
     pub(crate) model: PathBuf,
-    /// Points: PLY, XYZ, CSV, PTS, PCD, OBJ, STL or OFF; of a mesh its vertices; `-` is standard input
+    /// Points: PLY, XYZ, CSV, PTS, PTX, PCD, OBJ, STL or OFF; of a mesh its vertices; `-` is standard input
     pub(crate) points: PathBuf,
-    /// The result; its format follows from the extension: .csv, .ply or .json
+    /// The result; its format follows from the extension: .csv, .ply or .json; `-` is standard output (CSV)
     #[arg(long, short, value_name = "OUT")]
     pub(crate) out: PathBuf,
+    /// Largest angle between the normals of a point and of the model at its foot, up to 180 (no limit)
+    ///
+    /// Of a thin wall the face that was scanned is then found. Needs points with normals that point out of the material.
+    #[arg(long, value_name = "DEG", value_parser = super::parse_angle)]
+    max_angle: Option<f64>,
+    /// Format of the result, whatever its extension
+    #[arg(long, value_enum)]
+    format: Option<Format>,
     #[command(flatten)]
     search: Search,
 }
@@ -34,7 +45,7 @@ pub(crate) struct Search {
     #[arg(long, value_enum, default_value_t = SearchMode::Certified)]
     pub(crate) mode: SearchMode,
     /// Allowed gap between a distance and its proven lower bound, as a share of the distance
-    #[arg(long, value_name = "GAP", default_value_t = 1e-7)]
+    #[arg(long, value_name = "GAP", default_value_t = 1e-7, value_parser = numbers::signed)]
     pub(crate) relative_gap: f64,
     /// Leave out points with a coordinate that is NaN or infinite; by default they keep their row, with the status
     /// `invalid_point` and no values, so that row i of the result belongs to point i
@@ -47,9 +58,10 @@ pub(crate) struct Search {
 pub(crate) enum SearchMode {
     /// Global search with a proof that no point is nearer
     Certified,
-    /// Local iterations from the most promising pieces; no proof
+    /// Local iterations from the most promising pieces; no proof, lower_bound is empty
     Fast,
-    /// One local iteration from the answer of a neighbouring point; no proof, for points close to the model
+    /// One local iteration from the nearest of a few samples: a local foot only, wrong where the model comes near the point
+    /// twice; no proof, lower_bound is empty; for points close to the model
     Local,
 }
 
@@ -83,25 +95,31 @@ impl SearchMode {
 
 const AFTER_HELP: &str = "\
 Columns of OUT, one row per point, in the order of POINTS:
-  surfaces            x,y,z,foot_x,foot_y,foot_z,distance,shape,u,v,status
-  curves in space     x,y,z,foot_x,foot_y,foot_z,distance,shape,t,status
+  surfaces            x,y,z,foot_x,foot_y,foot_z,distance,shape,u,v,status,lower_bound
+  curves in space     x,y,z,foot_x,foot_y,foot_z,distance,shape,t,status,lower_bound
   both                as for surfaces; on a curve u is t and v is empty
-  mesh                x,y,z,foot_x,foot_y,foot_z,distance,shape,triangle,status    (shape is 0)
-  one plane curve     x,y,foot_x,foot_y,distance,t
-  several of them     x,y,foot_x,foot_y,distance,shape,t,status
+  mesh                x,y,z,foot_x,foot_y,foot_z,distance,shape,triangle,status,lower_bound  (shape is 0)
+  one plane curve     x,y,foot_x,foot_y,distance,t,status,lower_bound
+  several of them     x,y,foot_x,foot_y,distance,shape,t,status,lower_bound
 Plane curves (\"dim\": 2) take points of two columns, or with z = 0.
 
 distance  in the unit of the files. Onto surfaces it is positive on the side to which the normal (du x dv) points, onto
           closed meshes positive outside; onto curves and open meshes it has no sign.
 shape     index of the curve or surface in the model, triangle: index in the mesh; both count from 0.
-status    converged, on_boundary (the closest point lies on the boundary of the model), stalled, max_iterations,
-          diverged, cancelled, invalid_point. In PLY a number, named in the header.
+status    converged, on_boundary (the closest point lies on the boundary of the model), uncertified (a foot, but the proof
+          that none is nearer stayed open), stalled, max_iterations, diverged, cancelled, invalid_point; with --max-angle
+          no_matching_foot (no foot has a normal within DEG of the point's: the feet that count are local minima of the
+          distance on surfaces, the nearest points of the triangles that agree on a mesh, and on an edge any face there will
+          do), no_normal (that of the point is zero). In PLY a number, named in the header.
+lower_bound  no point of the model, with --max-angle no foot that counts, is nearer than this; empty where nothing was proven
+          (--mode fast and local).
 Numbers read back to the same bits. .csv: a missing value is empty. .ply: binary, doubles, NaN and -1 where there is no
 value; triangles of POINTS are kept. .json: {\"points\": N, \"columns\": [...], \"x\": [...], ...}, null where there is
 no value.
 
-Exit status 1 if a finite point did not converge; the result is written nevertheless. Points that are not finite cause
-a warning, not a failure.
+Exit status 0: every finite point has its closest point, with its proof in certified mode; 1: one did not converge, stayed
+uncertified or has no matching foot (the result is written nevertheless); 2: bad input or usage; 130: interrupted. Points that
+are not finite, or lack the normal that --max-angle asks for, cause a warning, not a failure.
 
 Examples:
   indgeo project model.json scan.ply -o deviations.csv
@@ -115,12 +133,15 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         model: &args.model,
         points: &args.points,
         out: &args.out,
+        format: args.format,
         options: args.search.options()?,
+        max_angle: args.max_angle.filter(|angle| *angle < 180.0).map(f64::to_radians),
         mode: args.search.mode,
         drop_non_finite: args.search.drop_non_finite,
         threads: common.threads,
         quiet: common.quiet,
     };
     projection::run(&job, report)?;
-    Ok(Outcome::new(summary::of(report), projection::all_converged(report)))
+    let (converged, otherwise) = (projection::all_converged(report), projection::otherwise(report));
+    Ok(Outcome { summary: summary::of(report), converged, otherwise })
 }

@@ -1,6 +1,7 @@
 //! `indgeo register`: where a scan fits its model best.
 
 use super::Outcome;
+use super::numbers;
 use crate::args::Common;
 use crate::error::Error;
 use crate::registering::{self, Job, Start};
@@ -8,6 +9,7 @@ use crate::report::Report;
 use crate::summary;
 use clap::ValueEnum;
 use industrial_geometry::distance_field::ErrorTerm;
+use industrial_geometry::io::Format;
 use industrial_geometry::register::{Locks, Method, Outliers, RegisterOptions};
 use std::path::{Path, PathBuf};
 
@@ -23,10 +25,14 @@ pub(crate) struct Args {
     model: PathBuf,
     /// The points to be moved: any cloud, or a mesh with its triangles; `-` is standard input
     points: PathBuf,
-    /// The moved points, with everything else that came with them; the format follows from the extension
+    /// The moved points, with everything else that came with them; the format follows from the extension; `-` is standard output (CSV, OBJ
+    /// for triangles)
     #[arg(long, short, value_name = "MOVED")]
     out: Option<PathBuf>,
-    /// Write the motion (JSON): matrix, quaternion, axis and angle, covariance, history
+    /// Format of MOVED, whatever its extension: ply, xyz, csv, pts, obj, stl, off or pcd
+    #[arg(long, value_name = "FORMAT", requires = "out", value_parser = crate::files::parse_format)]
+    format: Option<Format>,
+    /// Write the motion (JSON): matrix, quaternion, axis and angle, covariance, history; `-` is standard output
     #[arg(long, value_name = "T.json")]
     transform: Option<PathBuf>,
     /// Start from the pose in FILE, or from each of a list of poses (JSON, 4 x 4 row by row); the best result counts
@@ -42,18 +48,25 @@ pub(crate) struct Args {
     #[arg(long, value_enum, default_value_t = OutlierChoice::Automatic)]
     outliers: OutlierChoice,
     /// Share of the points that belong to the model, 0 to 1, for --outliers trimmed
-    #[arg(long, value_name = "SHARE", required_if_eq("outliers", "trimmed"))]
+    #[arg(long, value_name = "SHARE", value_parser = numbers::share, required_if_eq("outliers", "trimmed"))]
     overlap: Option<f64>,
-    /// Degrees of freedom that are held fast: any of tx, ty, tz, rx, ry, rz, separated by commas
+    /// Largest angle between the normals of a point and of the model at its foot, up to 180 (no limit)
+    ///
+    /// Points whose nearest place of the model faces another way do not count in a step, so that a scan of one face of a thin
+    /// wall is not drawn to the other. Needs points with normals that point out of the material.
+    #[arg(long, value_name = "DEG", value_parser = super::parse_angle)]
+    max_angle: Option<f64>,
+    /// Degrees of freedom that are held fast: any of tx, ty, tz, rx, ry, rz, separated by commas; x, y or z holds the plane across that
+    /// axis: z is tz, rx, ry
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_enum)]
-    lock: Vec<Freedom>,
+    lock: Vec<Lock>,
     /// Point about which locked rotations are meant [default: the origin]
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = parse_point)]
     lock_origin: Option<[f64; 3]>,
     /// Estimate the scale of the points, too
     #[arg(long)]
     scale: bool,
-    /// Most steps of one stage
+    /// Most steps of one stage; a registration that they end is not converged (exit status 1)
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u16).range(1..))]
     max_iterations: u16,
 }
@@ -98,13 +111,37 @@ enum OutlierChoice {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Freedom {
+enum Lock {
     Tx,
     Ty,
     Tz,
     Rx,
     Ry,
     Rz,
+    /// The plane across x: tx, ry, rz
+    X,
+    /// The plane across y: ty, rx, rz
+    Y,
+    /// The plane across z: tz, rx, ry
+    Z,
+}
+
+impl Lock {
+    /// Whether the translations along the axes, and the turns about them, are held.
+    fn held(self) -> ([bool; 3], [bool; 3]) {
+        let along = |axis: usize| [0, 1, 2].map(|other| other == axis);
+        match self {
+            Self::Tx => (along(0), [false; 3]),
+            Self::Ty => (along(1), [false; 3]),
+            Self::Tz => (along(2), [false; 3]),
+            Self::Rx => ([false; 3], along(0)),
+            Self::Ry => ([false; 3], along(1)),
+            Self::Rz => ([false; 3], along(2)),
+            Self::X => (along(0), along(0).map(|axis| !axis)),
+            Self::Y => (along(1), along(1).map(|axis| !axis)),
+            Self::Z => (along(2), along(2).map(|axis| !axis)),
+        }
+    }
 }
 
 const AFTER_HELP: &str = "\
@@ -115,12 +152,16 @@ shape does not fix, as that of a cylinder along and about its axis; the points a
 
 In the plane the matrix is that of a turn about z, and the covariance has three rows (x, y, angle).
 
+With --max-angle a point without a normal (zero, not finite) does not count. Curves and clouds without normals of their own
+have nothing to compare with, and refuse it.
+
 With several starts each is reported (`starts`); the one that leaves the least distance counts.
-Exit status 0: converged; 1: not converged, or no overlap (files are written nevertheless); 2: bad input or usage.
+Exit status 0: converged; 1: not converged (status max_iterations, stalled, diverged), or no overlap (files are written nevertheless);
+2: bad input or usage; 130: interrupted.
 
 Examples:
   indgeo register part.stl scan.ply -o moved.ply --transform pose.json
-  indgeo register part.json scan.ply -o moved.ply --init start.json --lock tz,rx,ry
+  indgeo register part.json scan.ply -o moved.ply --init start.json --lock z
   indgeo register part.json scan.ply --transform pose.json --outliers trimmed --overlap 0.6
   indgeo inspect part.json scan.ply --transform pose.json --tolerance 0.05 --report report.html";
 
@@ -141,12 +182,9 @@ impl Args {
 
     fn options(&self) -> Result<RegisterOptions<3>, Error> {
         let outliers = match (self.outliers, self.overlap) {
-            (OutlierChoice::Trimmed, Some(overlap)) if overlap > 0.0 && overlap <= 1.0 => {
-                Outliers::Trimmed { overlap }
-            }
-            (OutlierChoice::Trimmed, overlap) => {
-                let given = overlap.unwrap_or(f64::NAN);
-                return Err(Error::usage(format!("--overlap is {given}"), "give a share above 0, at most 1"));
+            (OutlierChoice::Trimmed, Some(overlap)) => Outliers::Trimmed { overlap },
+            (OutlierChoice::Trimmed, None) => {
+                return Err(Error::usage("--outliers trimmed needs a share", "add --overlap SHARE"));
             }
             (_, Some(_)) => return Err(Error::usage("--overlap has no effect", "add --outliers trimmed")),
             (OutlierChoice::Automatic, None) => Outliers::Automatic,
@@ -161,12 +199,14 @@ impl Args {
             MethodChoice::Symmetric => Method::Symmetric,
             MethodChoice::Anderson => Method::AndersonPoint,
         };
-        let locked = |freedoms: [Freedom; 3]| freedoms.map(|freedom| self.lock.contains(&freedom));
+        let any = |axes: fn(Lock) -> [bool; 3]| {
+            [0, 1, 2].map(|axis| self.lock.iter().any(|lock| axes(*lock)[axis]))
+        };
         let axes = Locks::<3>::default().axes;
         let locks = Locks::default()
             .with_frame(self.lock_origin.unwrap_or_default().into(), axes)
-            .with_translations(locked([Freedom::Tx, Freedom::Ty, Freedom::Tz]))
-            .with_rotations(locked([Freedom::Rx, Freedom::Ry, Freedom::Rz]));
+            .with_translations(any(|lock| lock.held().0))
+            .with_rotations(any(|lock| lock.held().1));
         Ok(RegisterOptions::default()
             .with_method(method)
             .with_outliers(outliers)
@@ -197,9 +237,11 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         model: &args.model,
         points: &args.points,
         out: args.out.as_deref(),
+        format: args.format,
         transform: args.transform.as_deref(),
         start,
         options,
+        max_angle: args.max_angle.filter(|angle| *angle < 180.0).map(f64::to_radians),
         needs_normals: args.method == MethodChoice::Symmetric,
         quiet: common.quiet,
     };

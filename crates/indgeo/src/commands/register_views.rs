@@ -1,6 +1,7 @@
 //! `indgeo register-views`: many scans of one object, all at once.
 
 use super::Outcome;
+use super::numbers;
 use crate::args::Common;
 use crate::error::Error;
 use crate::registering::Start;
@@ -31,24 +32,24 @@ pub(crate) struct Args {
     #[arg(long, value_enum, default_value_t = StartChoice::Auto)]
     start: StartChoice,
     /// Points of each view that are matched with the other views
-    #[arg(long, value_name = "N", default_value_t = ViewsOptions::default().points_per_view)]
+    #[arg(long, value_name = "N", default_value_t = ViewsOptions::default().points_per_view, value_parser = numbers::count)]
     points_per_view: usize,
     /// Neighbours to which the surface around a point is fitted; more are better on noisy scans
-    #[arg(long, value_name = "N", default_value_t = ViewsOptions::default().neighbours)]
+    #[arg(long, value_name = "N", default_value_t = ViewsOptions::default().neighbours, value_parser = numbers::count)]
     neighbours: usize,
     /// Largest distance of matched points at the start, as a share of the diagonal of a view
-    #[arg(long, value_name = "SHARE", default_value_t = ViewsOptions::default().max_distance)]
+    #[arg(long, value_name = "SHARE", default_value_t = ViewsOptions::default().max_distance, value_parser = numbers::positive)]
     max_distance: f64,
     /// Largest angle between the normals of matched points, degrees
-    #[arg(long, value_name = "DEGREES", default_value_t = 45.0)]
+    #[arg(long, value_name = "DEGREES", default_value_t = 45.0, value_parser = numbers::positive)]
     max_angle: f64,
     /// Share of a view that another one must cover for the two to be linked
-    #[arg(long, value_name = "SHARE", default_value_t = ViewsOptions::default().min_overlap)]
+    #[arg(long, value_name = "SHARE", default_value_t = ViewsOptions::default().min_overlap, value_parser = numbers::share_or_none)]
     min_overlap: f64,
     /// The normals of all views point to the same side of the surface: their signs count
     #[arg(long)]
     oriented: bool,
-    /// Most steps
+    /// Most steps; a registration that they end is not converged (exit status 1)
     #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u16).range(1..))]
     max_iterations: u16,
 }
@@ -72,7 +73,7 @@ null}, ...], \"pairs\": [{\"views\": [i, j], \"overlap\": [share of i, share of 
 
 Files appear in DIR all together at the end, or not at all.
 Exit status 0: converged; 1: not converged, views that overlap with no other, or views that can slide along each other
-(\"underdetermined\"; files are written nevertheless); 2: bad input or usage.
+(\"underdetermined\"; files are written nevertheless); 2: bad input or usage; 130: interrupted.
 
 Examples:
   indgeo register-views scan1.ply scan2.ply scan3.ply -o aligned

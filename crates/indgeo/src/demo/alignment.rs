@@ -9,7 +9,7 @@ use crate::moving::moved;
 use crate::registering::{self, Start};
 use crate::report::{Output, Report, Results, Timings};
 use industrial_geometry::footpoint::ProjectionOptions;
-use industrial_geometry::inspection::{Inspection, InspectionOptions, Tolerance};
+use industrial_geometry::inspection::{Inspection, InspectionOptions, Rounding, Tolerance, percent};
 use industrial_geometry::io::{self, AtomicFile, Content, ReadOptions, WriteOptions};
 use industrial_geometry::mesh::nalgebra::{Rotation3, Vector3};
 use industrial_geometry::register::{Pose, RegisterOptions};
@@ -74,16 +74,18 @@ pub(crate) fn run(
     let content = moved(scan, &away, &data.scan)?;
     let written = io::write(&files.displaced, &content, &WriteOptions::default())?;
     let text = format!("the scan, turned by {TURN}° and shifted by {SHIFT} mm");
-    report.outputs.push(Output { path: files.displaced.clone(), bytes: written.bytes, content: text });
+    report.add_output(Output { path: files.displaced.clone(), bytes: written.bytes, content: text });
 
     let mut found = Report { command: "register", version: report.version, ..Report::default() };
     let job = registering::Job {
         model: &data.model,
         points: &files.displaced,
         out: Some(&files.registered),
+        format: None,
         transform: Some(&files.pose),
         start: Start::Given,
         options: RegisterOptions::default(),
+        max_angle: None,
         needs_normals: false,
         quiet: common.quiet,
     };
@@ -115,7 +117,7 @@ pub(crate) fn run(
             (&files.picture, picture, "picture: before and after the registration, and its steps"),
         ] {
             let bytes = write_text(path, &text)?;
-            report.outputs.push(Output { path: path.clone(), bytes, content: content.to_owned() });
+            report.add_output(Output { path: path.clone(), bytes, content: content.to_owned() });
         }
         Ok(())
     })?;
@@ -179,6 +181,7 @@ fn inspect(
         transform: Some(&files.pose),
         page: Some(&files.page),
         out: None,
+        format: None,
         options: InspectionOptions::new(tolerance).with_drop_beyond_boundary(true).with_projection(*options),
         mode: "certified",
         drop_non_finite: false,
@@ -214,7 +217,7 @@ fn explain(files: &Files, found: &Report, inspection: &Inspection, apart: f64, d
         "Then the scan was turned by {TURN}° and shifted by {SHIFT} mm, and registered to the model again:\n  \
          {} after {} steps; {} of {} points count (the others lie beyond the model), rms {:.4} mm.\n{free}  \
          It lies {apart:.3} mm (rms) from where it was: the position along that motion is that of the start.\n\
-         Inspected there: {:.1} % of {} points within ±{TOLERANCE} mm. Open {} in a browser; it works offline.\n\n\
+         Inspected there: {} of {} points within ±{TOLERANCE} mm. Open {} in a browser; it works offline.\n\n\
          The same by hand:\n  \
          indgeo register {} {} -o registered.ply --transform pose.json\n  \
          indgeo inspect {} {} --transform pose.json --tolerance {TOLERANCE} --drop-beyond-boundary --report report.html\n",
@@ -223,7 +226,7 @@ fn explain(files: &Files, found: &Report, inspection: &Inspection, apart: f64, d
         motion.points_used,
         motion.points,
         motion.rms,
-        100.0 * verdict.share,
+        percent(verdict.within, verdict.judged, Rounding::Down),
         verdict.judged,
         files.page.display(),
         data.model.display(),

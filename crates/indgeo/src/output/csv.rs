@@ -2,12 +2,14 @@
 
 use super::rows::{Cell, Rows, append_number};
 use crate::threads;
+use industrial_geometry::io::write_text;
 use std::io::{self, Write};
 
 /// A header line and one line per point; a cell without a value is empty.
 pub(super) fn write(out: &mut dyn Write, table: &dyn Rows) -> io::Result<()> {
     let names = table.names();
-    writeln!(out, "{}", names.join(","))?;
+    let labels = table.point_names();
+    writeln!(out, "{}{}", names.join(","), if labels.is_some() { ",name" } else { "" })?;
     threads::write_rows(out, table.count(), |rows, bytes| {
         for row in rows {
             for column in 0..names.len() {
@@ -22,6 +24,11 @@ pub(super) fn write(out: &mut dyn Write, table: &dyn Rows) -> io::Result<()> {
                     Cell::Name(name, _) => bytes.extend(name.as_bytes()),
                     Cell::Byte(value) => bytes.extend(value.to_string().as_bytes()),
                 }
+            }
+            if let Some(labels) = labels {
+                bytes.push(b',');
+                // Writing to memory cannot fail.
+                let _ = write_text(bytes, labels.get(row).unwrap_or_default(), true);
             }
             bytes.push(b'\n');
         }

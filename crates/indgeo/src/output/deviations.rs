@@ -1,20 +1,29 @@
 //! Deviations, one row per point.
 
 use super::rows::{Cell, Rows};
-use industrial_geometry::inspection::{Class, ColourScale, Deviation, Outcome, Tolerance};
-use industrial_geometry::mesh::nalgebra::Point3;
+use industrial_geometry::inspection::{
+    Class, ColourScale, DeviationRecord, InspectionOptions, Nominal, Outcome,
+};
+use industrial_geometry::mesh::TextField;
+use industrial_geometry::mesh::nalgebra::{Point3, Vector3};
 
 /// Points as they were inspected, and their deviations.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DeviationTable<'a> {
     /// The points.
     pub(crate) points: &'a [Point3<f64>],
+    /// Their normals, where they were looked at.
+    pub(crate) normals: Option<&'a [Vector3<f64>]>,
+    /// Their names.
+    pub(crate) point_names: Option<&'a TextField>,
     /// One deviation per point.
-    pub(crate) deviations: &'a [Deviation],
+    pub(crate) records: &'a [DeviationRecord],
     /// Triangles over the points.
     pub(crate) triangles: &'a [[u32; 3]],
-    /// The limits.
-    pub(crate) tolerance: Tolerance,
+    /// The model, which knows its normals.
+    pub(crate) nominal: &'a Nominal,
+    /// How deviations were measured.
+    pub(crate) options: &'a InspectionOptions,
     /// What the deviations are measured from.
     pub(crate) model: Measured,
     /// Whether rows end with a colour.
@@ -65,13 +74,19 @@ impl DeviationTable<'_> {
     }
 
     /// `within`, `over`, `under`, or why there is no result.
-    fn result(&self, deviation: &Deviation) -> (&'static str, u8) {
-        match deviation.class(&self.tolerance) {
+    fn result(&self, record: &DeviationRecord) -> (&'static str, u8) {
+        match record.class(&self.options.tolerance) {
             Some(Class::Within) => ("within", 0),
             Some(Class::Over) => ("over", 1),
             Some(Class::Under) => ("under", 2),
-            None => (deviation.outcome.name(), number(deviation.outcome)),
+            None => (record.outcome.name(), number(record.outcome)),
         }
+    }
+
+    /// The normal of the model at the foot of a point.
+    fn normal(&self, row: usize) -> Vector3<f64> {
+        let normal = self.normals.and_then(|normals| normals.get(row));
+        self.nominal.normal(&self.points[row], normal, &self.records[row], self.options)
     }
 }
 
@@ -99,34 +114,38 @@ impl Rows for DeviationTable<'_> {
     }
 
     fn cell(&self, row: usize, column: usize) -> Cell {
-        let (point, deviation) = (&self.points[row], &self.deviations[row]);
+        let (point, record) = (&self.points[row], &self.records[row]);
         let index = |value: u32| Cell::Index((value != u32::MAX).then_some(value));
         let rest = self.where_on_shape().len();
         match self.in_space(column) {
             column @ 0..3 => Cell::Given(point[column]),
-            column @ 3..6 => Cell::Number(deviation.foot[column - 3]),
-            column @ 6..9 => Cell::Number(deviation.normal[column - 6]),
-            9 => Cell::Number(deviation.distance),
-            10 => index(deviation.shape),
-            11 if self.model == Measured::Mesh => index(deviation.triangle),
-            column @ 11.. if column < COMMON.len() + rest => Cell::Number(deviation.parameter[column - 11]),
+            column @ 3..6 => Cell::Number(record.foot[column - 3]),
+            column @ 6..9 => Cell::Number(self.normal(row)[column - 6]),
+            9 => Cell::Number(record.distance),
+            10 => index(record.shape()),
+            11 if self.model == Measured::Mesh => index(record.triangle()),
+            column @ 11.. if column < COMMON.len() + rest => Cell::Number(record.parameter[column - 11]),
             column => match column - COMMON.len() - rest {
                 0 => {
-                    let name = deviation.place.name();
+                    let name = record.place.name();
                     let code = (0u8..).zip(PLACES).find(|(_, place)| *place == name);
                     Cell::Name(name, code.map_or(u8::MAX, |(code, _)| code))
                 }
                 1 => {
-                    let (name, code) = self.result(deviation);
+                    let (name, code) = self.result(record);
                     Cell::Name(name, code)
                 }
                 channel => {
-                    let counts = deviation.outcome == Outcome::Measured;
-                    let value = if counts { deviation.distance } else { f64::NAN };
-                    Cell::Byte(ColourScale::new(self.tolerance).colour(value)[(channel - 2).min(2)])
+                    let counts = record.outcome == Outcome::Measured;
+                    let value = if counts { record.distance } else { f64::NAN };
+                    Cell::Byte(ColourScale::new(self.options.tolerance).colour(value)[(channel - 2).min(2)])
                 }
             },
         }
+    }
+
+    fn point_names(&self) -> Option<&TextField> {
+        self.point_names
     }
 
     fn triangles(&self) -> &[[u32; 3]] {
@@ -142,7 +161,7 @@ impl Rows for DeviationTable<'_> {
             .collect();
         vec![
             format!("deviations by indgeo {}, in the unit of the input", env!("CARGO_PKG_VERSION")),
-            format!("tolerance: {} to {}", self.tolerance.lower, self.tolerance.upper),
+            format!("tolerance: {} to {}", self.options.tolerance.lower, self.options.tolerance.upper),
             format!("location: {}", places.join(", ")),
             format!("result: 0 within, 1 over, 2 under, {}", outcomes.join(", ")),
         ]

@@ -1,13 +1,15 @@
 //! JSON with one array per column.
 
-use super::rows::{Cell, Rows, append_number};
+use super::rows::{Cell, NAME, Rows, append_number};
 use crate::threads;
 use std::io::{self, Write};
 
 /// `{"points":N,"columns":["x",…],"x":[…],…}`; `null` stands for a value that is not finite.
 pub(super) fn write(out: &mut dyn Write, table: &dyn Rows) -> io::Result<()> {
     let names = table.names();
-    write!(out, "{{\"points\":{},\"columns\":[\"{}\"]", table.count(), names.join("\",\""))?;
+    let labels = table.point_names();
+    let columns: Vec<&str> = names.iter().copied().chain(labels.map(|_| NAME)).collect();
+    write!(out, "{{\"points\":{},\"columns\":[\"{}\"]", table.count(), columns.join("\",\""))?;
     for (column, name) in names.iter().enumerate() {
         write!(out, ",\n\"{name}\":[")?;
         threads::write_rows(out, table.count(), |rows, bytes| {
@@ -31,6 +33,10 @@ pub(super) fn write(out: &mut dyn Write, table: &dyn Rows) -> io::Result<()> {
             }
         })?;
         out.write_all(b"]")?;
+    }
+    if let Some(labels) = labels {
+        write!(out, ",\n\"{NAME}\":")?;
+        serde_json::to_writer(&mut *out, &labels.iter().collect::<Vec<&str>>())?;
     }
     out.write_all(b"}\n")
 }

@@ -10,28 +10,31 @@ mod table;
 
 pub(crate) use deviations::{DeviationTable, Measured};
 pub(crate) use parameters::ParameterTable;
-pub(crate) use rows::Rows;
+pub(crate) use rows::{NAME, Rows};
 pub(crate) use table::{Layout, Table};
 
 use crate::error::Error;
 use crate::files;
-use industrial_geometry::io::AtomicFile;
+use clap::ValueEnum;
 use std::path::Path;
 
 /// The formats of results, by extension.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Format {
-    /// A header line, then one line per point.
+    /// A header line, then one line per point
     Csv,
-    /// Binary little endian.
+    /// Binary little endian
     Ply,
-    /// One array per column.
+    /// One array per column
     Json,
 }
 
 impl Format {
-    /// The format of the extension.
-    pub(crate) fn of(path: &Path) -> Result<Self, Error> {
+    /// The format that was asked for, or that of the extension; CSV on standard output.
+    pub(crate) fn of(path: &Path, asked: Option<Self>) -> Result<Self, Error> {
+        if let Some(format) = asked.or_else(|| files::is_stream(path).then_some(Self::Csv)) {
+            return Ok(format);
+        }
         match files::extension(path).as_str() {
             "csv" => Ok(Self::Csv),
             "ply" => Ok(Self::Ply),
@@ -42,16 +45,13 @@ impl Format {
     }
 }
 
-const ADVICE: &str = "choose .csv, .ply or .json";
+const ADVICE: &str = "choose .csv, .ply or .json, or add --format";
 
-/// Writes the table; the file appears whole or not at all. Returns its size in bytes.
+/// Writes the table; a file appears whole or not at all. Returns its size in bytes.
 pub(crate) fn write(path: &Path, format: Format, table: &dyn Rows) -> Result<u64, Error> {
-    let mut file = AtomicFile::create(path)?;
-    let done = match format {
-        Format::Csv => csv::write(&mut file, table),
-        Format::Ply => ply::write(&mut file, table),
-        Format::Json => json::write(&mut file, table),
-    };
-    done.map_err(|source| Error::write(path, source))?;
-    Ok(file.commit()?)
+    files::write(path, |out| match format {
+        Format::Csv => csv::write(out, table),
+        Format::Ply => ply::write(out, table),
+        Format::Json => json::write(out, table),
+    })
 }

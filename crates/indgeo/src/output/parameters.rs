@@ -3,6 +3,7 @@
 use super::rows::{Cell, Rows};
 use super::table::status_cell;
 use industrial_geometry::footpoint::SurfaceFootpoint;
+use industrial_geometry::mesh::TextField;
 use industrial_geometry::mesh::nalgebra::Point3;
 
 /// Points and their parameters on a base surface.
@@ -10,6 +11,8 @@ use industrial_geometry::mesh::nalgebra::Point3;
 pub(crate) struct ParameterTable<'a> {
     /// The points as read.
     pub(crate) points: &'a [Point3<f64>],
+    /// Their names.
+    pub(crate) point_names: Option<&'a TextField>,
     /// One footpoint per point.
     pub(crate) feet: &'a [SurfaceFootpoint],
     /// For each point whether it counts for a fit.
@@ -35,6 +38,10 @@ impl Rows for ParameterTable<'_> {
             6 => Cell::Byte(u8::from(self.counts[row])),
             _ => status_cell(foot.status),
         }
+    }
+
+    fn point_names(&self) -> Option<&TextField> {
+        self.point_names
     }
 
     fn triangles(&self) -> &[[u32; 3]] {

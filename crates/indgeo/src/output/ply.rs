@@ -1,15 +1,18 @@
 //! PLY with the results as properties of the vertices.
 
-use super::rows::{Cell, Rows};
+use super::rows::{Cell, NAME, Rows};
 use crate::threads;
 use std::io::{self, Write};
 
-/// Binary little endian: doubles for numbers, `int` for indices (−1 for none), `uchar` for names and colours.
+/// Binary little endian: doubles for numbers, `int` for indices (−1 for none), `uchar` for names of states and colours, a list of
+/// bytes for the name of a point.
 ///
 /// The triangles of the input are kept, so that a viewer shows the scan as it was.
 pub(super) fn write(out: &mut dyn Write, table: &dyn Rows) -> io::Result<()> {
     let names = table.names();
-    write_header(out, table, &names)?;
+    let labels = table.point_names();
+    let is_long = labels.is_some_and(|labels| labels.iter().any(|name| name.len() > 255));
+    write_header(out, table, &names, is_long)?;
     threads::write_rows(out, table.count(), |rows, bytes| {
         for row in rows {
             for column in 0..names.len() {
@@ -22,6 +25,11 @@ pub(super) fn write(out: &mut dyn Write, table: &dyn Rows) -> io::Result<()> {
                     Cell::Name(_, code) => bytes.push(code),
                     Cell::Byte(value) => bytes.push(value),
                 }
+            }
+            if let Some(name) = labels.map(|labels| labels.get(row).unwrap_or_default()) {
+                let length = u32::try_from(name.len()).unwrap_or(u32::MAX).to_le_bytes();
+                bytes.extend(if is_long { &length } else { &length[..1] });
+                bytes.extend(name.as_bytes());
             }
         }
     })?;
@@ -36,7 +44,7 @@ pub(super) fn write(out: &mut dyn Write, table: &dyn Rows) -> io::Result<()> {
     })
 }
 
-fn write_header(out: &mut dyn Write, table: &dyn Rows, names: &[&str]) -> io::Result<()> {
+fn write_header(out: &mut dyn Write, table: &dyn Rows, names: &[&str], is_long: bool) -> io::Result<()> {
     writeln!(out, "ply\nformat binary_little_endian 1.0")?;
     for comment in table.comments() {
         writeln!(out, "comment {comment}")?;
@@ -50,6 +58,9 @@ fn write_header(out: &mut dyn Write, table: &dyn Rows, names: &[&str]) -> io::Re
             _ => "double",
         };
         writeln!(out, "property {kind} {name}")?;
+    }
+    if table.point_names().is_some() {
+        writeln!(out, "property list {} uchar {NAME}", if is_long { "uint" } else { "uchar" })?;
     }
     if !table.triangles().is_empty() {
         writeln!(out, "element face {}\nproperty list uchar uint vertex_indices", table.triangles().len())?;

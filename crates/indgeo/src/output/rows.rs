@@ -1,6 +1,10 @@
 //! What the writers of results ask of a table.
 
 use industrial_geometry::io::write_number;
+use industrial_geometry::mesh::TextField;
+
+/// The column of names.
+pub(crate) const NAME: &str = "name";
 
 /// The content of a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,6 +29,10 @@ pub(crate) trait Rows: Sync {
     fn count(&self) -> usize;
     /// A cell; cells of a column are all of one kind.
     fn cell(&self, row: usize, column: usize) -> Cell;
+    /// Names of the points, which are the last column, called [`NAME`].
+    fn point_names(&self) -> Option<&TextField> {
+        None
+    }
     /// Triangles over the points, kept in formats that can hold them.
     fn triangles(&self) -> &[[u32; 3]];
     /// What a reader of a binary file should know.

@@ -3,6 +3,7 @@
 use super::rows::{Cell, Rows};
 use crate::target::{Foot, Target};
 use industrial_geometry::footpoint::Status;
+use industrial_geometry::mesh::TextField;
 use industrial_geometry::mesh::nalgebra::Point3;
 
 /// A column. The names are a contract that other programs rely on.
@@ -26,6 +27,8 @@ pub(super) enum Column {
     Triangle,
     /// How the projection ended.
     Status,
+    /// What is proven: no point of the model is nearer.
+    LowerBound,
 }
 
 impl Column {
@@ -45,6 +48,7 @@ impl Column {
             Self::T => "t",
             Self::Triangle => "triangle",
             Self::Status => "status",
+            Self::LowerBound => "lower_bound",
         }
     }
 
@@ -60,6 +64,7 @@ impl Column {
             Self::V => Cell::Number(foot.parameter[1]),
             Self::Triangle => index(foot.triangle),
             Self::Status => status_cell(foot.status),
+            Self::LowerBound => Cell::Number(foot.lower_bound),
         }
     }
 }
@@ -76,15 +81,14 @@ impl Layout {
         columns.extend((0..dimension).map(Column::Foot));
         columns.push(Column::Distance);
         let rest: &[Column] = match target {
-            // A single curve in the plane has exactly these columns.
+            // A single curve in the plane has no index.
             Target::Plane(_) if shapes == 1 => &[Column::T],
-            Target::Plane(_) | Target::Space { surfaces: None, .. } => {
-                &[Column::Shape, Column::T, Column::Status]
-            }
-            Target::Space { .. } => &[Column::Shape, Column::U, Column::V, Column::Status],
-            Target::Mesh(_) => &[Column::Shape, Column::Triangle, Column::Status],
+            Target::Plane(_) | Target::Space { surfaces: None, .. } => &[Column::Shape, Column::T],
+            Target::Space { .. } => &[Column::Shape, Column::U, Column::V],
+            Target::Mesh(_) => &[Column::Shape, Column::Triangle],
         };
         columns.extend(rest);
+        columns.extend([Column::Status, Column::LowerBound]);
         Self(columns)
     }
 
@@ -101,6 +105,8 @@ pub(crate) struct Table<'a> {
     pub(crate) layout: &'a Layout,
     /// The points as read.
     pub(crate) points: &'a [Point3<f64>],
+    /// Their names.
+    pub(crate) point_names: Option<&'a TextField>,
     /// One footpoint per point.
     pub(crate) feet: &'a [Foot],
     /// Triangles over the points, kept in formats that can hold them.
@@ -108,7 +114,7 @@ pub(crate) struct Table<'a> {
 }
 
 /// The statuses in the order of their numbers in binary files.
-const STATUSES: [Status; 7] = [
+const STATUSES: [Status; 10] = [
     Status::Converged,
     Status::OnBoundary,
     Status::Stalled,
@@ -116,6 +122,9 @@ const STATUSES: [Status; 7] = [
     Status::Diverged,
     Status::Cancelled,
     Status::InvalidPoint,
+    Status::Uncertified,
+    Status::NoMatchingFoot,
+    Status::NoNormal,
 ];
 
 /// The number of a status in the file; 255 for one that is not listed.
@@ -145,6 +154,10 @@ impl Rows for Table<'_> {
 
     fn cell(&self, row: usize, column: usize) -> Cell {
         self.layout.0[column].cell(&self.points[row], &self.feet[row])
+    }
+
+    fn point_names(&self) -> Option<&TextField> {
+        self.point_names
     }
 
     fn triangles(&self) -> &[[u32; 3]] {

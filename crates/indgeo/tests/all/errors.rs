@@ -36,7 +36,10 @@ fn outputs_that_cannot_be_written() {
     let message = failure(&bench, "project model.json points.xyz -o no/such/folder/out.csv");
     assert!(message.ends_with("; create the folder first\n"), "{message}");
     let message = failure(&bench, "project model.json points.xyz -o out.txt");
-    assert_eq!(message, "error: out.txt: results are not written as `.txt`; choose .csv, .ply or .json\n");
+    assert_eq!(
+        message,
+        "error: out.txt: results are not written as `.txt`; choose .csv, .ply or .json, or add --format\n"
+    );
     let message = failure(&bench, "project model.json points.xyz -o out");
     assert!(message.contains("the name has no extension"), "{message}");
     assert!(failure(&bench, "convert points.xyz out.docx").contains("out.docx"));
@@ -123,7 +126,7 @@ fn dimensions_that_do_not_fit() {
     assert!(message.contains("point 0 (from 0) has z = 1"), "{message}");
     bench.put("mixed.json", format!("{{\"kind\":\"model\",\"shapes\":[{SEGMENT},{SEGMENT_3}]}}"));
     let message = failure(&bench, "project mixed.json points.xyz -o out.csv");
-    assert!(message.contains("1 shapes lie in the plane, 1 in space"), "{message}");
+    assert!(message.contains("shapes in the plane: 1, in space: 1"), "{message}");
     bench.put("none.json", "{\"kind\":\"model\",\"shapes\":[]}");
     assert!(failure(&bench, "project none.json points.xyz -o out.csv").contains("no shapes"));
 }
@@ -137,7 +140,7 @@ fn points_that_are_none() {
     assert!(failure(&bench, "project model.json header.csv -o out.csv").contains("header.csv"));
     bench.put("nan.xyz", "nan 0 0\n0 inf 0\n");
     let message = failure(&bench, "project model.json nan.xyz -o out.csv");
-    assert!(message.contains("none of the 2 points has finite coordinates"), "{message}");
+    assert!(message.contains("no point has finite coordinates (2 points)"), "{message}");
     failure(&bench, "project model.json nan.xyz -o out.csv --drop-non-finite");
 }
 

@@ -35,8 +35,8 @@ fn a_cloud_becomes_a_curve_within_tolerance() {
     let report = json(&bench, "report.json");
     assert_eq!((&report["command"], &report["status"]), (&"fit-curve".into(), &"done".into()));
     let results = &report["results"];
-    assert_eq!((&results["closed"], &results["reached"]), (&true.into(), &true.into()));
-    assert!(results["max"].as_f64().unwrap() <= 1e-3 && results["controls"].as_u64().unwrap() <= 16);
+    assert_eq!((&results["closed"], &results["within_tolerance"]), (&true.into(), &true.into()));
+    assert!(results["max"].as_f64().unwrap() <= 1e-3 && results["control_points"].as_u64().unwrap() <= 16);
     let feet = bench.text("feet.csv");
     assert_eq!(feet.lines().next().unwrap(), "x,y,foot_x,foot_y,distance,t");
     assert_eq!(feet.lines().count(), 201);
@@ -174,5 +174,5 @@ fn bad_input_says_what_and_what_to_do() {
     assert!(!bench.files().contains(&"c.json".to_owned()));
     bench.put("gaps.xyz", format!("{}nan 1\n", ellipse(60)));
     let run = bench.run("fit-curve gaps.xyz -o gaps.json --control-points 10 --json -");
-    assert_eq!((run.code, &run.report()["results"]["dropped"]), (0, &1.into()), "{}", run.stderr);
+    assert_eq!((run.code, &run.report()["results"]["points_dropped"]), (0, &1.into()), "{}", run.stderr);
 }

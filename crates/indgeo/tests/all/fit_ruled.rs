@@ -43,7 +43,7 @@ fn a_hyperboloid_is_one_ruled_surface() {
     assert!(run.stdout.contains("2 sections of 24"), "{}", run.stdout);
     let report: Value = serde_json::from_str(&bench.text("report.json")).unwrap();
     let results = &report["results"];
-    assert!(results["fit"]["rms"].as_f64().unwrap() < 4e-3, "{results}");
+    assert!(results["rms"].as_f64().unwrap() < 4e-3, "{results}");
     // Normals turn along its rulings, by 90 degrees between z = ±1 where the slopes were equal.
     assert!(results["developability"]["max_angle"].as_f64().unwrap() > 0.5, "{results}");
     assert_eq!((&results["base"], net(&bench, "h.json")[0].len()), (&"cylinder".into(), 2));
@@ -58,7 +58,7 @@ fn layers_are_added_until_the_tolerance_holds_and_stay_level() {
     assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
     let results = &run.report()["results"];
     assert_eq!(results["within_tolerance"], true, "{results}");
-    assert!(results["fit"]["max"].as_f64().unwrap() <= 0.005 && results["runs"].as_u64().unwrap() > 1);
+    assert!(results["max"].as_f64().unwrap() <= 0.005 && results["runs"].as_u64().unwrap() > 1);
     let net = net(&bench, "layers.json");
     assert!(net[0].len() > 2, "one ruled surface cannot follow this waist so closely");
     for j in 0..net[0].len() {
@@ -115,7 +115,7 @@ fn open_patches_find_the_direction_of_their_rulings() {
     assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
     let results = &run.report()["results"];
     assert_eq!(results["base"], "plane");
-    assert!(results["fit"]["rms"].as_f64().unwrap() < 0.01, "{results}");
+    assert!(results["rms"].as_f64().unwrap() < 0.01, "{results}");
     assert!(results["developability"]["max_angle"].as_f64().unwrap() < 0.2, "{results}");
 }
 
@@ -148,7 +148,10 @@ fn bad_input_and_usage() {
         ("fit-ruled vase.xyz -o out.json --controls 12x1", "too few for degree 1"),
         ("fit-ruled vase.xyz -o out.json --offset 1", "normals"),
         ("fit-ruled vase.xyz -o out.json --level=0,0,0", "direction"),
-        ("fit-ruled vase.xyz -o out.json --developable -1", "a length of at least 0"),
+        (
+            "fit-ruled vase.xyz -o out.json --developable -1",
+            "--developable <LENGTH>': it must be a number of at least 0",
+        ),
         ("fit-ruled vase.xyz -o out.json --init cubic.json", "degree in v is 2"),
         ("fit-ruled vase.xyz -o out.json --init vase.xyz", "a surface is needed"),
         ("fit-ruled missing.xyz -o out.json", "missing.xyz"),
@@ -159,5 +162,5 @@ fn bad_input_and_usage() {
     }
     bench.put("gaps.xyz", format!("{}nan 1 2\n", vase(500)));
     let run = bench.run("fit-ruled gaps.xyz --json - --controls 10x4");
-    assert_eq!((run.code, &run.report()["results"]["dropped"]), (0, &1.into()), "{}", run.stderr);
+    assert_eq!((run.code, &run.report()["results"]["points_dropped"]), (0, &1.into()), "{}", run.stderr);
 }

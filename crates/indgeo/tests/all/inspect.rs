@@ -15,8 +15,7 @@ fn bench() -> Bench {
 }
 
 fn schema() -> Value {
-    let path =
-        std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/schema/inspection.schema.json");
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/schema/inspect.schema.json");
     serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
 }
 
@@ -51,9 +50,9 @@ fn a_person_reads_the_verdict_too() {
     let bench = bench();
     let run = bench.run("inspect model.json points.xyz --tolerance 0.1 --max-distance 5");
     assert_eq!(run.code, 1);
-    assert!(run.stdout.starts_with("FAIL: 2 of 4 points within -0.1 to 0.1 (50.0000 %"), "{}", run.stdout);
+    assert!(run.stdout.starts_with("FAIL: 2 of 4 points within -0.1 to 0.1 (50.00 %"), "{}", run.stdout);
     assert!(run.stdout.contains("not used  1 beyond_max_distance, 1 invalid_point"), "{}", run.stdout);
-    assert!(run.stderr.contains("1 of 6 points have a coordinate that is NaN"), "{}", run.stderr);
+    assert!(run.stderr.contains("1 of 6 points has a coordinate that is NaN"), "{}", run.stderr);
     let help = bench.run("inspect --help");
     assert!(help.stdout.contains("Examples:\n  indgeo inspect"), "{}", help.stdout);
 }
@@ -133,11 +132,14 @@ fn bad_input_and_usage() {
     for (arguments, part) in [
         ("model.json points.xyz", "--tolerance"),
         ("model.json points.xyz --lower -1", "--tolerance <T>"),
-        ("model.json points.xyz -t 0", "--tolerance is 0, it must be positive"),
-        ("model.json points.xyz -t nan", "--tolerance is NaN"),
+        (
+            "model.json points.xyz -t 0",
+            "invalid value '0' for '--tolerance <T>': it must be a positive length",
+        ),
+        ("model.json points.xyz -t nan", "'--tolerance <T>': it must be a positive length"),
         ("model.json points.xyz --lower 1 --upper -1", "lower limit must be below"),
-        ("model.json points.xyz -t 1 --min-share 2", "min_share"),
-        ("model.json points.xyz -t 1 --max-distance=-1", "max_distance"),
+        ("model.json points.xyz -t 1 --min-share 2", "--min-share <SHARE>': it must be a share from 0 to 1"),
+        ("model.json points.xyz -t 1 --max-distance=-1", "--max-distance <D>': it must be a positive length"),
         ("model.json points.xyz -t 1 --along up", "choose shortest, normal"),
         ("model.json points.xyz -t 1 --along 0,0,0", "a direction X,Y,Z that is not zero"),
         ("model.json points.xyz -t 1 --direction 1,2", "three numbers"),

@@ -25,7 +25,7 @@ fn a_vase_gets_parameters_and_a_surface() {
     );
     assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
     assert!(
-        run.stdout.contains("a cylinder of") && run.stderr.contains("1 of 3001 points have"),
+        run.stdout.contains("a cylinder of") && run.stderr.contains("1 of 3001 points has"),
         "{}{}",
         run.stdout,
         run.stderr
@@ -111,7 +111,7 @@ fn a_thinned_mesh_of_a_blade_gets_a_base_surface_without_folds() {
         (&0.into(), &0.into())
     );
     assert_eq!(results["fit"]["defects"]["crossovers"], 0, "{}", results["fit"]);
-    let added = results["added"].as_u64().unwrap();
+    let added = results["points_added"].as_u64().unwrap();
     assert!(added > 5000 && results["points"].as_u64().unwrap() == 21795 + added, "{added}");
     assert_eq!(bench.text("uv.csv").lines().count(), 21796);
     assert_eq!(run.code == 0, results["status"] == "converged");

@@ -13,9 +13,9 @@ fn surfaces_have_signed_distances() {
     bench.put("points.xyz", "0.5 1 3\n1 0.25 -0.125\n3 1 0\n3 3 0\n");
     let run = bench.run("project model.json points.xyz -o out.csv");
     assert_eq!((run.code, run.stderr.as_str()), (0, ""), "{}", run.stdout);
-    assert!(run.stdout.contains("4 points projected onto 1 shape (1 Bézier pieces)"), "{}", run.stdout);
+    assert!(run.stdout.contains("4 points projected onto 1 shape (1 Bézier piece)"), "{}", run.stdout);
     let text = bench.text("out.csv");
-    assert_eq!(text.lines().next(), Some("x,y,z,foot_x,foot_y,foot_z,distance,shape,u,v,status"));
+    assert_eq!(text.lines().next(), Some("x,y,z,foot_x,foot_y,foot_z,distance,shape,u,v,status,lower_bound"));
     let rows = rows(&text);
     assert!(
         same(&rows[0], &["0.5", "1", "3", "0.5", "1", "0", "3", "0", "0.25", "0.5", "converged"]),
@@ -42,7 +42,7 @@ fn one_plane_curve_has_the_columns_of_the_contract() {
     let run = bench.run("project model.json points.q -o out.csv");
     assert_eq!(run.code, 0, "{}", run.stderr);
     let text = bench.text("out.csv");
-    assert!(text.starts_with("x,y,foot_x,foot_y,distance,t\n"), "{text}");
+    assert!(text.starts_with("x,y,foot_x,foot_y,distance,t,status,lower_bound\n"), "{text}");
     assert!(same(&rows(&text)[0], &["1", "2", "1", "0", "2", "0.25"]), "{text}");
     assert!(same(&rows(&text)[1], &["-3", "4", "0", "0", "5", "0"]), "{text}");
     // Points of three columns do, as long as they lie in the plane.
@@ -60,7 +60,7 @@ fn several_plane_curves_say_which() {
     let run = bench.run("project model.json points.csv -o out.csv");
     assert_eq!(run.code, 0, "{}", run.stderr);
     let text = bench.text("out.csv");
-    assert!(text.starts_with("x,y,foot_x,foot_y,distance,shape,t,status\n"), "{text}");
+    assert!(text.starts_with("x,y,foot_x,foot_y,distance,shape,t,status,lower_bound\n"), "{text}");
     assert!(same(&rows(&text)[1], &["2", "9", "2", "10", "1", "1", "0.5", "converged"]), "{text}");
 }
 
@@ -71,7 +71,7 @@ fn curves_in_space_have_no_sign() {
     bench.put("points.xyz", "1 0 7\n");
     assert_eq!(bench.run("project model.json points.xyz -o out.csv").code, 0);
     let text = bench.text("out.csv");
-    assert!(text.starts_with("x,y,z,foot_x,foot_y,foot_z,distance,shape,t,status\n"), "{text}");
+    assert!(text.starts_with("x,y,z,foot_x,foot_y,foot_z,distance,shape,t,status,lower_bound\n"), "{text}");
     assert!(same(&rows(&text)[0][3..], &["1", "0", "10", "3", "0", "0.25", "converged"]), "{text}");
 }
 
@@ -97,7 +97,10 @@ fn closed_meshes_have_an_inside_open_ones_not() {
     bench.put("points.xyz", "0.5 0.5 0.875\n0.5 0.5 3\n");
     assert_eq!(bench.run("project cube.off points.xyz -o out.csv").code, 0);
     let text = bench.text("out.csv");
-    assert!(text.starts_with("x,y,z,foot_x,foot_y,foot_z,distance,shape,triangle,status\n"), "{text}");
+    assert!(
+        text.starts_with("x,y,z,foot_x,foot_y,foot_z,distance,shape,triangle,status,lower_bound\n"),
+        "{text}"
+    );
     let cells = rows(&text);
     assert!(same(&cells[0][3..8], &["0.5", "0.5", "1", "-0.125", "0"]), "{text}");
     assert_eq!(cells[1][6], "2");
@@ -150,7 +153,7 @@ fn triangles_of_the_points_stay_in_ply() {
         (&fact["points"], &fact["triangles"], &fact["is_solid"]),
         (&8.into(), &12.into(), &true.into())
     );
-    let names = ["foot_x", "foot_y", "foot_z", "distance", "shape", "u", "v", "status"];
+    let names = ["foot_x", "foot_y", "foot_z", "distance", "shape", "u", "v", "status", "lower_bound"];
     assert_eq!(fact["attributes"], serde_json::json!(names));
 }
 

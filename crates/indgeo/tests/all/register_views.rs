@@ -174,7 +174,7 @@ fn bad_input_says_what_and_leaves_nothing() {
         ("register-views a.csv b.xyz -o .", "overwrite an input"),
         ("register-views a.csv b.xyz -o a.csv", "not a folder"),
         ("register-views b.xyz other/b.xyz -o out", "two views are called b.xyz"),
-        ("register-views a.csv b.xyz -o out --init one.json", "1 poses for 2 views"),
+        ("register-views a.csv b.xyz -o out --init one.json", "1 pose for 2 views"),
         ("register-views a.csv b.xyz -o out --neighbours 1", "neighbours is 1"),
         ("register-views a.csv b.xyz -o out --json out/poses.json", "poses.json"),
     ] {

@@ -8,7 +8,7 @@ mod scene;
 mod tables;
 mod text;
 
-use crate::{Backdrop, Deviation, Inspection};
+use crate::{Backdrop, DeviationRecord, Inspection, Rounding, percent, percent_in_full};
 use nalgebra::Point3;
 use std::io::{self, Write};
 use text::{escape, json_in_script, number};
@@ -34,7 +34,7 @@ pub struct Page<'a> {
     /// The points, as they were inspected.
     pub points: &'a [Point3<f64>],
     /// Their deviations.
-    pub deviations: &'a [Deviation],
+    pub records: &'a [DeviationRecord],
     /// Triangles that show the model.
     pub backdrop: &'a Backdrop,
     /// The motion that was applied to the points, if any, as a matrix by rows.
@@ -52,14 +52,14 @@ pub fn write(out: &mut dyn Write, page: &Page<'_>) -> io::Result<()> {
     let verdict = &page.inspection.verdict;
     let tolerance = &page.inspection.options.tolerance;
     let headline = format!(
-        "<b>{:.2} %</b> of {} points within {} … {}{}",
-        // Rounded down: a failure never reads 100 %.
-        (10_000.0 * verdict.share).floor() / 100.0,
+        "<b>{}</b>: {} of {} points within {} … {}{}",
+        percent(verdict.within, verdict.judged, Rounding::Down),
+        verdict.within,
         verdict.judged,
         signed(tolerance.lower),
         signed(tolerance.upper),
         if verdict.min_share < 1.0 {
-            format!(" (at least {} % asked for)", number(100.0 * verdict.min_share))
+            format!(" (at least {} asked for)", percent_in_full(verdict.min_share))
         } else {
             String::new()
         }

@@ -3,7 +3,7 @@
 use super::Page;
 use super::text::base64;
 use crate::colour::{ColourScale, STOPS};
-use crate::{Deviation, Outcome};
+use crate::{DeviationRecord, Outcome};
 use nalgebra::{Point3, Vector3};
 use serde::Serialize;
 
@@ -39,8 +39,8 @@ pub(super) struct Packed {
 
 pub(super) fn pack(page: &Page<'_>) -> Packed {
     let is_finite = |point: &Point3<f64>| point.iter().all(|value| value.is_finite());
-    let measured = (page.points.iter().zip(page.deviations))
-        .filter(|(_, deviation)| deviation.outcome == Outcome::Measured)
+    let measured = (page.points.iter().zip(page.records))
+        .filter(|(_, record)| record.outcome == Outcome::Measured)
         .map(|(point, _)| point);
     let seen = measured.chain(&page.backdrop.vertices).filter(|point| is_finite(point));
     let none = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
@@ -52,15 +52,15 @@ pub(super) fn pack(page: &Page<'_>) -> Packed {
 
     let inside =
         |point: &Point3<f64>| is_finite(point) && share(point).iter().all(|s| (0.0..=1.0).contains(s));
-    let visible: Vec<u32> =
-        (page.points.iter().zip(0u32..)).filter(|(p, _)| inside(p)).map(|(_, i)| i).collect();
-    let outside = page.points.len() - visible.len();
-    let stride = visible.len().div_ceil(page.most_points.max(1)).max(1);
-    let kept: Vec<u32> = visible.into_iter().step_by(stride).collect();
+    let visible = (page.points.iter().zip(0u32..)).filter(|(p, _)| inside(p)).map(|(_, i)| i);
+    let count = visible.clone().count();
+    let outside = page.points.len() - count;
+    let stride = count.div_ceil(page.most_points.max(1)).max(1);
+    let kept: Vec<u32> = visible.step_by(stride).collect();
     let listed = kept.iter().zip((0u32..).step_by(stride)).any(|(&index, expected)| index != expected);
 
     let points = kept.iter().map(|&index| share(&page.points[index as usize]));
-    let deviations = kept.iter().flat_map(|&index| shown(&page.deviations[index as usize]).to_le_bytes());
+    let deviations = kept.iter().flat_map(|&index| shown(&page.records[index as usize]).to_le_bytes());
     let backdrop = page.backdrop;
     let normal = |normal: &Vector3<f64>| [0, 1, 2].map(|axis| quantise(normal[axis] * 127.0, -127.0, 127.0));
     #[expect(clippy::cast_possible_truncation, reason = "limited to the range of i8")]
@@ -101,8 +101,8 @@ pub(super) fn pack(page: &Page<'_>) -> Packed {
 
 /// The deviation in single precision; NaN where none counts.
 #[expect(clippy::cast_possible_truncation, reason = "single precision is what the page shows")]
-fn shown(deviation: &Deviation) -> f32 {
-    if deviation.outcome == Outcome::Measured { deviation.distance as f32 } else { f32::NAN }
+fn shown(record: &DeviationRecord) -> f32 {
+    if record.outcome == Outcome::Measured { record.distance as f32 } else { f32::NAN }
 }
 
 fn quantise(value: f64, low: f64, high: f64) -> f64 {

@@ -2,16 +2,18 @@
 
 use super::Page;
 use super::text::{cell, escape, number};
-use crate::{Along, ColourScale, Deviations, Inspection};
+use crate::{Along, ColourScale, Deviations, Inspection, Rounding, percent};
 use std::fmt::Write;
 
 /// Names of outcomes for a reader.
-const OUTCOMES: [(&str, &str); 7] = [
+const OUTCOMES: [(&str, &str); 9] = [
+    ("undecided", "undecided, count as not within"),
+    ("no_matching_foot", "no foot with a matching normal, count as out of tolerance"),
     ("beyond_max_distance", "beyond the largest distance, not used"),
     ("beyond_boundary", "beyond the boundary of the model, not used"),
     ("no_hit", "line of projection misses the model, not used"),
     ("no_normal", "without a normal, not used"),
-    ("not_converged", "search did not converge, count as out of tolerance"),
+    ("not_converged", "search found no footpoint, count as out of tolerance"),
     ("invalid_point", "coordinates not finite, not used"),
     ("cancelled", "cancelled"),
 ];
@@ -23,13 +25,14 @@ pub(super) fn statistics(inspection: &Inspection) -> String {
     let mut row = |name: &str, key: &str, cells: String| {
         let _ = write!(rows, "<tr data-key=\"{key}\"><th scope=\"row\">{name}</th>{cells}</tr>");
     };
-    let counted = |count: u64, share: f64| {
-        format!("<td data-value=\"{count}\">{count}</td><td>{:.2} %</td>", 100.0 * share)
+    let counted = |count: u64, rounding: Rounding| {
+        let share = percent(count, total.count, rounding);
+        format!("<td data-value=\"{count}\">{count}</td><td>{share}</td>")
     };
     row("measured points", "count", format!("<td data-value=\"{0}\">{0}</td><td></td>", total.count));
-    row("within tolerance", "within", counted(total.within, total.share_within));
-    row("above tolerance", "over", counted(total.over, total.share_over));
-    row("below tolerance", "under", counted(total.under, total.share_under));
+    row("within tolerance", "within", counted(total.within, Rounding::Down));
+    row("above tolerance", "over", counted(total.over, Rounding::Up));
+    row("below tolerance", "under", counted(total.under, Rounding::Up));
     for (key, name) in OUTCOMES {
         let count = inspection.outcomes.get(key).copied().unwrap_or(0);
         if count > 0 {
@@ -96,11 +99,12 @@ fn worst(inspection: &Inspection) -> String {
         let _ = write!(
             out,
             "<tr><td><button type=\"button\" data-worst=\"{place}\" aria-label=\"Show point {index}\">{rank}</button></td>{distance}\
-             <td><span class=\"swatch\" style=\"background:rgb({r},{g},{b})\"></span>{state}</td><td>{index}</td>{x}{y}{z}<td>{shape}</td></tr>",
+             <td><span class=\"swatch\" style=\"background:rgb({r},{g},{b})\"></span>{state}</td><td>{index}{name}</td>{x}{y}{z}<td>{shape}</td></tr>",
             rank = place + 1,
             index = point.index,
             distance = cell(point.distance),
             shape = point.shape,
+            name = point.name.as_deref().map(|name| format!(" {}", escape(name))).unwrap_or_default(),
         );
     }
     out.push_str("</tbody></table></div></section>");
@@ -110,7 +114,7 @@ fn worst(inspection: &Inspection) -> String {
 fn surfaces(inspection: &Inspection) -> String {
     let mut out = String::from(
         "<section class=\"wide\"><h2>Surfaces</h2><div class=\"scroll\"><table id=\"shapes\"><thead><tr><th scope=\"col\">surface</th><th scope=\"col\">points</th>\
-         <th scope=\"col\">within %</th><th scope=\"col\">above</th><th scope=\"col\">below</th><th scope=\"col\">min</th><th scope=\"col\">max</th>\
+         <th scope=\"col\">within</th><th scope=\"col\">share</th><th scope=\"col\">above</th><th scope=\"col\">below</th><th scope=\"col\">min</th><th scope=\"col\">max</th>\
          <th scope=\"col\">mean</th><th scope=\"col\">RMS</th><th scope=\"col\">σ</th><th scope=\"col\">on boundary</th></tr></thead><tbody>",
     );
     for shape in &inspection.shapes {
@@ -118,10 +122,11 @@ fn surfaces(inspection: &Inspection) -> String {
         let d: &Deviations = &shape.deviations;
         let _ = write!(
             out,
-            "<tr><th scope=\"row\">{} {name}</th><td>{}</td><td>{}</td><td>{}</td><td>{}</td>",
+            "<tr><th scope=\"row\">{} {name}</th><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>",
             shape.index,
             d.count,
-            number(100.0 * d.share_within),
+            d.within,
+            percent(d.within, d.count, Rounding::Down),
             d.over,
             d.under
         );
@@ -148,9 +153,17 @@ pub(super) fn method(page: &Page<'_>) -> String {
     };
     let mut out = format!(
         "Deviations are measured {along}; they are positive on the side to which its normal points. \
-         No other point of the shape is nearer by more than {}. The grey triangles only show the model. Lengths are in the unit of the files. ",
+         No other point of the shape that counts is nearer by more than {}. The grey triangles only show the model. Lengths are in the unit of the files. ",
         number(page.inspection.largest_gap)
     );
+    if let Some(angle) = options.angle_limit() {
+        let _ = write!(
+            out,
+            "Only places of the shape count where its normal is within {}° of the point's: for {} points another one is nearer. ",
+            number(angle.to_degrees()),
+            page.inspection.restricted
+        );
+    }
     if options.max_distance.is_finite() {
         let _ = write!(out, "Points farther away than {} are not used. ", number(options.max_distance));
     }

@@ -1,13 +1,15 @@
 //! Deviations from analytic surfaces.
 
 use super::signed;
+use super::surfaces::{SAME, near};
 use super::trace::{Near, Traceable};
 use crate::{Deviation, Error, Outcome, Place};
-use footpoint::Progress;
-use nalgebra::{Point3, Vector3};
+use footpoint::{Facing, ProjectionOptions, SurfaceProjector};
+use nalgebra::Vector3;
 use nurbs_core::{
     Aabb, AnalyticSurface, BsplineSurface, Interval, ParametricSurface, SurfaceFoot, SurfaceJet,
 };
+use std::sync::OnceLock;
 
 /// A share of a domain within which a parameter counts as its end.
 const END: f64 = 1e-12;
@@ -18,6 +20,7 @@ pub(super) struct AnalyticNominal {
     surfaces: Vec<AnalyticSurface>,
     exact: Vec<BsplineSurface>,
     bounds: Aabb<3>,
+    projector: OnceLock<SurfaceProjector>,
 }
 
 /// The name of a kind of surface.
@@ -38,20 +41,12 @@ impl AnalyticNominal {
             surfaces.iter().map(AnalyticSurface::to_nurbs).collect::<Result<_, _>>()?;
         let boxes = exact.iter().map(BsplineSurface::control_box);
         let bounds = boxes.reduce(|a, b| a.merged(&b)).ok_or(Error::EmptyModel)?;
-        Ok(Self { surfaces, exact, bounds })
+        Ok(Self { surfaces, exact, bounds, projector: OnceLock::new() })
     }
 
     /// The same surfaces as NURBS.
     pub(super) fn exact(&self) -> &[BsplineSurface] {
         &self.exact
-    }
-
-    /// Deviations along the shortest lines.
-    pub(super) fn shortest(&self, points: &[Point3<f64>], progress: Progress<'_>) -> Vec<Deviation> {
-        let cancelled = Deviation::none(Outcome::Cancelled);
-        crate::parallel::map(points.len(), &cancelled, progress, |index| {
-            self.deviation(&points[index].coords)
-        })
     }
 
     /// The nearest surface, the first where several are as near.
@@ -61,16 +56,46 @@ impl AnalyticNominal {
             .reduce(|best, next| if next.1.distance < best.1.distance { next } else { best })
     }
 
-    fn deviation(&self, x: &Vector3<f64>) -> Deviation {
-        if !x.iter().all(|value| value.is_finite()) {
-            return Deviation::none(Outcome::InvalidPoint);
-        }
+    /// The deviation along the shortest line, to where the normal agrees with a direction if one is given.
+    pub(super) fn shortest(&self, x: &Vector3<f64>, facing: Option<&Facing>) -> Deviation {
         let Some((shape, foot)) = self.nearest(x) else { return Deviation::none(Outcome::NotConverged) };
         let [u, v] = foot.parameters;
-        let normal = self.surfaces[shape].jet(u, v).unit_normal();
+        match facing {
+            Some(facing) if !facing.agrees(&self.surfaces[shape].jet(u, v).normal_direction()) => {
+                // Closed formulas give the nearest foot only; the same surfaces as NURBS have them all.
+                let projector = self.projector();
+                let nearest = projector.project(x);
+                let found = projector.facing_foot(x, &nearest, facing, &ProjectionOptions::default());
+                let Some(near) = near(&found) else { return Deviation::none(Outcome::NoMatchingFoot) };
+                let foot = self.surfaces[near.shape].footpoint(&near.point);
+                let is_restricted = found.distance > nearest.distance * (1.0 + SAME);
+                let foot = SurfaceFoot { distance: (x - foot.point).norm(), ..foot };
+                let gap = (foot.distance - near.bound).max(0.0);
+                Deviation { is_restricted, gap, ..self.deviation(x, near.shape, &foot) }
+            }
+            _ => self.deviation(x, shape, &foot),
+        }
+    }
+
+    /// The surfaces as NURBS, prepared when they are first needed.
+    fn projector(&self) -> &SurfaceProjector {
+        self.projector.get_or_init(|| {
+            SurfaceProjector::for_model(&self.exact).unwrap_or_else(|_| SurfaceProjector::new(&self.exact[0]))
+        })
+    }
+
+    /// The unit normal at a place; where the surface has none, that of the line to the point; zero where that has no length.
+    pub(super) fn normal(&self, shape: usize, [u, v]: [f64; 2], offset: &Vector3<f64>) -> Vector3<f64> {
+        let normal = self.surfaces.get(shape).and_then(|surface| surface.jet(u, v).unit_normal());
+        normal.or_else(|| offset.try_normalize(0.0)).unwrap_or_default()
+    }
+
+    fn deviation(&self, x: &Vector3<f64>, shape: usize, foot: &SurfaceFoot) -> Deviation {
+        let [u, v] = foot.parameters;
+        let is_pole = self.surfaces[shape].jet(u, v).unit_normal().is_none();
         let offset = x - foot.point;
-        let (place, on_boundary) = self.place(shape, foot.parameters, normal.is_none());
-        let normal = normal.or_else(|| offset.try_normalize(0.0)).unwrap_or_default();
+        let (place, on_boundary) = self.place(shape, foot.parameters, is_pole);
+        let normal = self.normal(shape, foot.parameters, &offset);
         Deviation {
             outcome: Outcome::Measured,
             foot: foot.point.into(),
@@ -81,7 +106,9 @@ impl AnalyticNominal {
             shape: u32::try_from(shape).unwrap_or(u32::MAX),
             triangle: u32::MAX,
             place,
+            corner: 0,
             on_boundary,
+            is_restricted: false,
         }
     }
 
@@ -120,5 +147,13 @@ impl Traceable for AnalyticNominal {
 
     fn bounds(&self) -> &Aabb<3> {
         &self.bounds
+    }
+
+    fn facing_near(&self, x: &Vector3<f64>, facing: &Facing) -> Option<Near> {
+        let projector = self.projector();
+        let foot = projector.facing_foot(x, &projector.project(x), facing, &ProjectionOptions::default());
+        let near = near(&foot)?;
+        let parameter = self.surfaces[near.shape].footpoint(&near.point).parameters;
+        Some(Near { parameter, ..near })
     }
 }

@@ -1,6 +1,8 @@
 //! Deviations from NURBS curves, in the plane or in space.
 
-use crate::{Backdrop, Deviation, Error, InspectionOptions, Outcome, Place};
+use super::judge::outcome;
+use super::surfaces::place;
+use crate::{Backdrop, Deviation, Error, InspectionOptions};
 use footpoint::{CurveFootpoint, CurveProjector, Location, Progress, Status};
 use nalgebra::{Point3, SVector, Vector3};
 use nurbs_core::{Aabb, BsplineCurve, ParametricCurve};
@@ -28,35 +30,48 @@ impl<const D: usize> CurvesNominal<D> {
         self.projector.piece_count()
     }
 
-    /// Deviations along the shortest lines.
+    /// The largest side of a box around the model, to which gaps of the search are relative.
+    pub(super) fn size(&self) -> f64 {
+        let boxes = self.curves.iter().map(BsplineCurve::control_box);
+        let bounds = boxes.reduce(|a, b| a.merged(&b));
+        bounds.map_or(0.0, |bounds: Aabb<D>| (bounds.max - bounds.min).max())
+    }
+
+    /// Deviations along the shortest lines, each finished by `finish`.
     pub(super) fn shortest(
         &self,
         points: &[Point3<f64>],
         options: &InspectionOptions,
         progress: Progress<'_>,
-    ) -> Vec<Deviation> {
-        let queries: Vec<SVector<f64, D>> =
-            points.iter().map(|point| SVector::from_fn(|i, _| point[i])).collect();
-        let feet = self.projector.project_many(&queries, &options.projection, progress);
-        let unfinished = Deviation::none(Outcome::Cancelled);
-        crate::parallel::map(points.len(), &unfinished, &footpoint::no_progress, |index| {
-            self.deviation(&queries[index], &feet[index])
-        })
+        finish: &(dyn Fn(Deviation) -> Deviation + Sync),
+        receive: &mut dyn FnMut(&[(usize, Deviation)]),
+    ) -> Result<(), Error> {
+        let at = |index: usize| SVector::from_fn(|i, _| points[index][i]);
+        let treat = |index: usize, foot: &CurveFootpoint<D>| finish(self.deviation(&at(index), foot));
+        self.projector.project_each(points.len(), &at, &options.projection, progress, &treat, receive)?;
+        Ok(())
+    }
+
+    /// In the plane the unit normal on the left of the curve; in space, and where the curve stands still, that of the line to
+    /// the point; zero where that has no length.
+    pub(super) fn normal(&self, shape: usize, parameter: f64, offset: &Vector3<f64>) -> Vector3<f64> {
+        let curve = self.curves.get(shape).filter(|_| D == 2);
+        let left = curve.and_then(|curve| left_normal(&in_space(&curve.jet(parameter).d1)));
+        left.or_else(|| offset.try_normalize(0.0)).unwrap_or_default()
+    }
+
+    /// The line to a point from its foot.
+    pub(super) fn offset(&self, x: &Point3<f64>, foot: &Point3<f64>) -> Vector3<f64> {
+        in_space(&SVector::<f64, D>::from_fn(|i, _| x[i] - foot[i]))
     }
 
     fn deviation(&self, x: &SVector<f64, D>, foot: &CurveFootpoint<D>) -> Deviation {
-        let outcome = match foot.status {
-            Status::Converged | Status::OnBoundary => Outcome::Measured,
-            Status::InvalidPoint => Outcome::InvalidPoint,
-            Status::Cancelled => Outcome::Cancelled,
-            _ => Outcome::NotConverged,
-        };
-        let Some(curve) = self.curves.get(foot.shape).filter(|_| !foot.distance.is_nan()) else {
+        let outcome = outcome(foot.status, foot.distance);
+        if foot.distance.is_nan() || foot.shape >= self.curves.len() {
             return Deviation::none(outcome);
-        };
+        }
         let offset = in_space(&(x - foot.point));
-        let left = if D == 2 { left_normal(&in_space(&curve.jet(foot.parameter).d1)) } else { None };
-        let normal = left.or_else(|| offset.try_normalize(0.0)).unwrap_or_default();
+        let normal = self.normal(foot.shape, foot.parameter, &offset);
         let is_right = D == 2 && offset.dot(&normal) < 0.0;
         Deviation {
             outcome,
@@ -67,14 +82,10 @@ impl<const D: usize> CurvesNominal<D> {
             parameter: [foot.parameter, f64::NAN],
             shape: u32::try_from(foot.shape).unwrap_or(u32::MAX),
             triangle: u32::MAX,
-            place: match foot.location {
-                Location::Interior => Place::Interior,
-                Location::Edge => Place::Edge,
-                Location::Corner => Place::Corner,
-                Location::Seam => Place::Seam,
-                Location::Pole => Place::Pole,
-            },
-            on_boundary: foot.status == Status::OnBoundary
+            place: place(foot.location),
+            corner: 0,
+            is_restricted: false,
+            on_boundary: matches!(foot.status, Status::OnBoundary | Status::Uncertified)
                 && matches!(foot.location, Location::Edge | Location::Corner),
         }
     }

@@ -1,8 +1,8 @@
 //! Deviations from a triangle mesh.
 
 use super::signed;
-use crate::{Deviation, Error, Outcome, Place};
-use footpoint::Progress;
+use crate::{Deviation, DeviationRecord, Error, Outcome, Place};
+use footpoint::Facing;
 use mesh_core::{Feature, MeshProjector, TriangleMesh};
 use nalgebra::{Point3, Vector3};
 use std::collections::HashSet;
@@ -49,19 +49,22 @@ impl MeshNominal {
         self.projector.topology().is_oriented()
     }
 
-    /// Deviations along the shortest lines.
-    pub(super) fn shortest(&self, points: &[Point3<f64>], progress: Progress<'_>) -> Vec<Deviation> {
-        let cancelled = Deviation::none(Outcome::Cancelled);
-        crate::parallel::map(points.len(), &cancelled, progress, |index| self.deviation(&points[index]))
-    }
-
-    fn deviation(&self, x: &Point3<f64>) -> Deviation {
-        if !x.iter().all(|value| value.is_finite()) {
-            return Deviation::none(Outcome::InvalidPoint);
-        }
-        // The only other reason for an error is a distance beyond the range of doubles.
-        let Ok(foot) = self.projector.project(x) else { return Deviation::none(Outcome::NotConverged) };
-        let (place, on_boundary) = self.place(foot.triangle, foot.feature);
+    /// The deviation along the shortest line, to the triangles that face a direction if one is given.
+    pub(super) fn shortest(&self, x: &Point3<f64>, facing: Option<&Facing>) -> Deviation {
+        // The only reason for an error is a distance beyond the range of doubles.
+        let found = match facing {
+            None => self.projector.project(x).map(|foot| Some((foot, false))),
+            Some(facing) => {
+                let found = self.projector.project_facing(x, facing.direction(), facing.max_angle());
+                found.map(|found| found.map(|found| (found.foot, !found.is_nearest)))
+            }
+        };
+        let (foot, is_restricted) = match found {
+            Ok(Some(found)) => found,
+            Ok(None) => return Deviation::none(Outcome::NoMatchingFoot),
+            Err(_) => return Deviation::none(Outcome::NotConverged),
+        };
+        let (place, corner, on_boundary) = self.place(foot.triangle, foot.feature);
         Deviation {
             outcome: Outcome::Measured,
             foot: foot.point,
@@ -72,14 +75,31 @@ impl MeshNominal {
             shape: 0,
             triangle: u32::try_from(foot.triangle).unwrap_or(u32::MAX),
             place,
+            corner,
             on_boundary,
+            is_restricted,
         }
     }
 
-    /// The deviation along a line in a direction of length 1.
-    pub(super) fn along(&self, x: &Point3<f64>, direction: &Vector3<f64>) -> Deviation {
-        let Ok(Some(hit)) = self.projector.nearest_on_line(x, direction) else {
+    /// The deviation along a line in a direction of length 1, to the triangles that face a direction if one is given.
+    pub(super) fn along(
+        &self,
+        x: &Point3<f64>,
+        direction: &Vector3<f64>,
+        facing: Option<&Facing>,
+    ) -> Deviation {
+        let Ok(Some(nearest)) = self.projector.nearest_on_line(x, direction) else {
             return Deviation::none(Outcome::NoHit);
+        };
+        let (hit, is_restricted) = match facing.filter(|facing| !facing.agrees(&nearest.normal)) {
+            None => (nearest, false),
+            Some(facing) => {
+                let (towards, most) = (facing.direction(), facing.max_angle());
+                match self.projector.nearest_on_line_facing(x, direction, towards, most) {
+                    Ok(Some(hit)) => (hit, hit.offset.abs() > nearest.offset.abs()),
+                    _ => return Deviation::none(Outcome::NoMatchingFoot),
+                }
+            }
         };
         Deviation {
             outcome: Outcome::Measured,
@@ -91,7 +111,32 @@ impl MeshNominal {
             shape: 0,
             triangle: u32::try_from(hit.triangle).unwrap_or(u32::MAX),
             place: Place::Face,
+            corner: 0,
             on_boundary: false,
+            is_restricted,
+        }
+    }
+
+    /// The unit normal at a foot that [`shortest`](Self::shortest) has found, or [`along`](Self::along).
+    pub(super) fn normal(
+        &self,
+        record: &DeviationRecord,
+        is_hit: bool,
+        facing: Option<&Facing>,
+    ) -> Vector3<f64> {
+        let triangle = record.triangle() as usize;
+        let feature = match record.place {
+            Place::TriangleEdge => Feature::Edge(record.corner),
+            Place::Vertex => Feature::Vertex(record.corner),
+            _ => Feature::Face,
+        };
+        match facing.filter(|_| record.is_restricted()) {
+            Some(facing) if feature != Feature::Face => {
+                self.projector.facing_normal(&record.foot, facing.direction(), facing.max_angle())
+            }
+            Some(_) => self.projector.face_normal(triangle),
+            None if is_hit => self.projector.face_normal(triangle),
+            None => self.projector.normal_at(triangle, feature, &record.foot),
         }
     }
 
@@ -99,15 +144,16 @@ impl MeshNominal {
         if self.is_signed() { signed(distance, offset, normal) } else { distance }
     }
 
-    fn place(&self, triangle: usize, feature: Feature) -> (Place, bool) {
+    /// Where a foot lies, the number of the edge or corner, and whether that is on the boundary.
+    fn place(&self, triangle: usize, feature: Feature) -> (Place, u8, bool) {
         let corners = &self.corners[triangle];
         match feature {
-            Feature::Face => (Place::Face, false),
+            Feature::Face => (Place::Face, 0, false),
             Feature::Edge(edge) => {
-                (Place::TriangleEdge, self.boundary_edges.contains(&sides(corners, edge.into())))
+                (Place::TriangleEdge, edge, self.boundary_edges.contains(&sides(corners, edge.into())))
             }
             Feature::Vertex(corner) => {
-                (Place::Vertex, self.boundary_vertices.contains(&corners[usize::from(corner)]))
+                (Place::Vertex, corner, self.boundary_vertices.contains(&corners[usize::from(corner)]))
             }
         }
     }

@@ -2,19 +2,26 @@
 
 mod analytic;
 mod curves;
+mod judge;
 mod mesh;
+mod sides;
 mod surfaces;
 mod trace;
 
 use crate::options::unit;
-use crate::{Along, Backdrop, Deviation, Error, Inspection, InspectionOptions, Outcome, Partial};
+use crate::{
+    Along, Backdrop, Deviation, DeviationRecord, Error, Inspection, InspectionOptions, Outcome, Partial,
+    Place,
+};
 use analytic::AnalyticNominal;
 use curves::CurvesNominal;
-use footpoint::{Progress, no_progress};
+use footpoint::{Facing, Progress, no_progress};
+use judge::Judge;
 use mesh::MeshNominal;
 use mesh_core::TriangleMesh;
 use nalgebra::{Point3, Vector3};
 use nurbs_core::{AnalyticSurface, BsplineCurve, BsplineSurface};
+use sides::{Side, Sides};
 use surfaces::SurfacesNominal;
 
 /// What a surface of a model is called.
@@ -143,18 +150,23 @@ impl Nominal {
         }
     }
 
-    /// Measures the deviations of many points, in parallel; the result has their order. With [`Along::Normal`], `normals`
-    /// holds one vector per point (of any length but zero).
+    /// Measures the deviations of many points, in parallel; the result has their order. With [`Along::Normal`], and with a
+    /// [largest angle](InspectionOptions::max_angle), `normals` holds one vector per point (of any length but zero).
     ///
     /// `progress` may cancel: what is left then has [`Outcome::Cancelled`].
     ///
-    /// Lines of projection are followed in both senses to the nearest point of the shape: on meshes by exact intersection;
-    /// on surfaces by steps as long as the certified distance allows (\[Ha96\]), so that no nearer point is missed but within
-    /// the [`gap`](Deviation::gap), and by Newton's method at the end.
+    /// Lines of projection are followed in both senses to the nearest point of the shape that counts: on meshes by exact
+    /// intersection; on surfaces by steps as long as the certified distance allows (\[Ha96\]), so that no nearer point is missed
+    /// but within the [`gap`](Deviation::gap), and by Newton's method at the end.
+    ///
+    /// With a largest angle, the feet that count along shortest lines are the local minima of the distance on surfaces, and the
+    /// nearest points of the triangles of a mesh, where the normal of the shape, on a kink or edge that of any face there, is
+    /// within the angle of the point's. A point without such a foot has [`Outcome::NoMatchingFoot`].
     ///
     /// # Errors
     /// As [`InspectionOptions::validate`]; [`Error::Normals`] if normals are needed and not given; [`Error::AlongCurves`] for
-    /// curves and anything but the shortest lines.
+    /// curves and anything but the shortest lines; [`Error::FacingCurves`] and [`Error::FacingUnoriented`] for a largest angle
+    /// where the shape has no normals to compare with.
     pub fn measure(
         &self,
         points: &[Point3<f64>],
@@ -162,33 +174,158 @@ impl Nominal {
         options: &InspectionOptions,
         progress: Progress<'_>,
     ) -> Result<Vec<Deviation>, Error> {
-        options.validate()?;
-        if options.along != Along::Shortest && matches!(self.kind, Kind::Profile(_) | Kind::Curves(_)) {
-            return Err(Error::AlongCurves);
-        }
-        let mut deviations = match options.along {
-            Along::Shortest => match &self.kind {
-                Kind::Surfaces(nominal) => nominal.shortest(points, options, progress),
-                Kind::Mesh(nominal) => nominal.shortest(points, progress),
-                Kind::Analytic(nominal) => nominal.shortest(points, progress),
-                Kind::Profile(nominal) => nominal.shortest(points, options, progress),
-                Kind::Curves(nominal) => nominal.shortest(points, options, progress),
-            },
-            Along::Normal => {
-                let normals = normals.filter(|normals| normals.len() == points.len());
-                let count = normals.map_or(0, <[_]>::len);
-                let normals = normals.ok_or(Error::Normals { found: count, points: points.len() })?;
-                self.along(points, options, progress, |index| unit(&normals[index]).ok())
+        let mut deviations = vec![Deviation::none(Outcome::Cancelled); points.len()];
+        self.measure_each(points, normals, options, progress, &mut |measured| {
+            for &(index, deviation) in measured {
+                deviations[index] = deviation;
             }
-            Along::Direction(direction) => {
-                let direction = unit(&Vector3::from(direction))?;
-                self.along(points, options, progress, |_| Some(direction))
-            }
-        };
-        for deviation in &mut deviations {
-            judge(deviation, options);
-        }
+        })?;
         Ok(deviations)
+    }
+
+    /// As [`measure`](Self::measure), without holding all deviations at once: `receive` gets them with the indices of their
+    /// points, some tens of thousands at a time, in an order that depends on the points alone.
+    ///
+    /// # Errors
+    /// As [`measure`](Self::measure).
+    pub fn measure_each(
+        &self,
+        points: &[Point3<f64>],
+        normals: Option<&[Vector3<f64>]>,
+        options: &InspectionOptions,
+        progress: Progress<'_>,
+        receive: &mut dyn FnMut(&[(usize, Deviation)]),
+    ) -> Result<(), Error> {
+        options.validate()?;
+        let limit = options.angle_limit();
+        match (&self.kind, options.along) {
+            (Kind::Profile(_) | Kind::Curves(_), Along::Normal | Along::Direction(_)) => {
+                return Err(Error::AlongCurves);
+            }
+            (Kind::Profile(_) | Kind::Curves(_), _) if limit.is_some() => return Err(Error::FacingCurves),
+            (Kind::Mesh(mesh), _) if limit.is_some() && !mesh.is_signed() => {
+                return Err(Error::FacingUnoriented);
+            }
+            _ => {}
+        }
+        let needed = limit.is_some() || options.along == Along::Normal;
+        let count = normals.map_or(0, <[_]>::len);
+        let normals = normals.filter(|_| count == points.len()).unwrap_or_default();
+        if needed && normals.len() != points.len() {
+            return Err(Error::Normals { found: count, points: points.len() });
+        }
+        let sides = Sides::new(limit.map(|angle| (normals, angle)));
+        let judge = Judge::new(options, self.size(), self.is_signed());
+        let finish = |deviation: Deviation| judge.judged(deviation);
+        let line = |index: usize| match options.along {
+            Along::Shortest => None,
+            Along::Normal => Some(unit(&normals[index]).ok()),
+            Along::Direction(direction) => Some(unit(&Vector3::from(direction)).ok()),
+        };
+        if options.along == Along::Shortest {
+            match &self.kind {
+                Kind::Surfaces(nominal) => {
+                    return nominal.shortest(points, &sides, options, progress, &finish, receive);
+                }
+                Kind::Profile(nominal) => {
+                    return nominal.shortest(points, options, progress, &finish, receive);
+                }
+                Kind::Curves(nominal) => {
+                    return nominal.shortest(points, options, progress, &finish, receive);
+                }
+                Kind::Mesh(_) | Kind::Analytic(_) => {}
+            }
+        }
+        let treat = |index: usize| {
+            let point = &points[index];
+            if !point.iter().all(|value| value.is_finite()) {
+                return Deviation::none(Outcome::InvalidPoint);
+            }
+            let (line, side) = (line(index), sides.of(index));
+            if matches!(side, Side::Unknown) || line == Some(None) {
+                return Deviation::none(Outcome::NoNormal);
+            }
+            finish(self.measured(point, line.flatten().as_ref(), side.facing(), options))
+        };
+        let cancelled = Deviation::none(Outcome::Cancelled);
+        crate::parallel::each(points.len(), &cancelled, progress, &treat, receive);
+        Ok(())
+    }
+
+    /// The deviation of a point along a line, or the shortest one.
+    fn measured(
+        &self,
+        point: &Point3<f64>,
+        line: Option<&Vector3<f64>>,
+        facing: Option<&Facing>,
+        options: &InspectionOptions,
+    ) -> Deviation {
+        match (&self.kind, line) {
+            (Kind::Mesh(nominal), None) => nominal.shortest(point, facing),
+            (Kind::Mesh(nominal), Some(line)) => nominal.along(point, line, facing),
+            (Kind::Analytic(nominal), None) => nominal.shortest(&point.coords, facing),
+            (Kind::Analytic(nominal), Some(line)) => {
+                trace::along(nominal, point, line, options.max_distance, facing)
+            }
+            (Kind::Surfaces(nominal), Some(line)) => {
+                trace::along(nominal.as_ref(), point, line, options.max_distance, facing)
+            }
+            // Many of these are measured at once, or refused before.
+            (Kind::Surfaces(_) | Kind::Profile(_) | Kind::Curves(_), _) => Deviation::none(Outcome::NoHit),
+        }
+    }
+
+    /// The unit normal at the foot of a record, the same as in the [`Deviation`] that it was made from. `normal` is that of the
+    /// point; it is looked at where only feet count whose normals agree with it.
+    #[must_use]
+    pub fn normal(
+        &self,
+        point: &Point3<f64>,
+        normal: Option<&Vector3<f64>>,
+        record: &DeviationRecord,
+        options: &InspectionOptions,
+    ) -> Vector3<f64> {
+        if record.place == Place::None {
+            return Vector3::repeat(f64::NAN);
+        }
+        let shape = record.shape() as usize;
+        let offset = point - record.foot;
+        let is_hit = options.along != Along::Shortest;
+        match &self.kind {
+            Kind::Mesh(nominal) => {
+                let facing = normal.zip(options.angle_limit()).and_then(|(n, a)| Facing::new(n, a).ok());
+                nominal.normal(record, is_hit, facing.as_ref())
+            }
+            // A line that meets a surface where it has no normal tells nothing about one.
+            Kind::Surfaces(nominal) => {
+                let offset = if is_hit { Vector3::zeros() } else { offset };
+                nominal.normal(shape, record.parameter, &offset, record.distance)
+            }
+            Kind::Analytic(nominal) => {
+                let offset = if is_hit { Vector3::zeros() } else { offset };
+                nominal.normal(shape, record.parameter, &offset)
+            }
+            Kind::Profile(nominal) => {
+                nominal.normal(shape, record.parameter[0], &nominal.offset(point, &record.foot))
+            }
+            Kind::Curves(nominal) => {
+                nominal.normal(shape, record.parameter[0], &nominal.offset(point, &record.foot))
+            }
+        }
+    }
+
+    /// The largest side of a box around the shape, to which gaps of a search are relative.
+    fn size(&self) -> f64 {
+        match &self.kind {
+            Kind::Surfaces(nominal) => nominal.size(),
+            Kind::Profile(nominal) => nominal.size(),
+            Kind::Curves(nominal) => nominal.size(),
+            Kind::Analytic(nominal) => {
+                let bounds = trace::Traceable::bounds(nominal);
+                (bounds.max - bounds.min).max()
+            }
+            Kind::Mesh(nominal) => nominal.mesh().bounding_box().map_or(0.0, |bounds| bounds.extent().max()),
+        }
     }
 
     /// Measures and judges a whole cloud at once, without normals.
@@ -196,50 +333,10 @@ impl Nominal {
     /// # Errors
     /// As [`Nominal::measure`].
     pub fn inspect(&self, points: &[Point3<f64>], options: &InspectionOptions) -> Result<Inspection, Error> {
-        let deviations = self.measure(points, None, options, &no_progress)?;
         let mut partial = Partial::new(options)?;
-        partial.extend(0, points, &deviations);
+        let mut receive = |measured: &[(usize, Deviation)]| partial.extend_with(0, points, measured);
+        self.measure_each(points, None, options, &no_progress, &mut receive)?;
         partial.finish(options, &self.shapes)
-    }
-
-    fn along(
-        &self,
-        points: &[Point3<f64>],
-        options: &InspectionOptions,
-        progress: Progress<'_>,
-        direction: impl Fn(usize) -> Option<Vector3<f64>> + Sync + Send,
-    ) -> Vec<Deviation> {
-        let cancelled = Deviation::none(Outcome::Cancelled);
-        crate::parallel::map(points.len(), &cancelled, progress, |index| {
-            let point = &points[index];
-            if !point.iter().all(|value| value.is_finite()) {
-                return Deviation::none(Outcome::InvalidPoint);
-            }
-            let Some(direction) = direction(index) else { return Deviation::none(Outcome::NoNormal) };
-            match &self.kind {
-                Kind::Surfaces(nominal) => {
-                    trace::along(nominal.as_ref(), point, &direction, options.max_distance)
-                }
-                Kind::Mesh(nominal) => nominal.along(point, &direction),
-                Kind::Analytic(nominal) => trace::along(nominal, point, &direction, options.max_distance),
-                // Refused before.
-                Kind::Profile(_) | Kind::Curves(_) => Deviation::none(Outcome::NoHit),
-            }
-        })
-    }
-}
-
-/// Sorts out deviations that are not to be used.
-fn judge(deviation: &mut Deviation, options: &InspectionOptions) {
-    if deviation.outcome != Outcome::Measured {
-        return;
-    }
-    if !deviation.distance.is_finite() {
-        deviation.outcome = Outcome::NotConverged;
-    } else if deviation.distance.abs() > options.max_distance {
-        deviation.outcome = Outcome::BeyondMaxDistance;
-    } else if deviation.on_boundary && options.drop_beyond_boundary {
-        deviation.outcome = Outcome::BeyondBoundary;
     }
 }
 

@@ -7,6 +7,7 @@
 
 use super::signed;
 use crate::{Deviation, Outcome, Place};
+use footpoint::Facing;
 use nalgebra::{Matrix3, Point3, Vector3};
 use nurbs_core::{Aabb, Interval, SurfaceJet};
 
@@ -18,6 +19,10 @@ const MAX_ITERATIONS: usize = 30;
 const NOTHING: f64 = 1e-10;
 /// How far from a point of the line that is within nothing of the shape a crossing may be, in units of nothing.
 const CLOSE_BY: f64 = 1e4;
+/// How much larger than its slack the gap of a proven crossing may be.
+const PROVEN: f64 = 4.0;
+/// Share of a domain within which a parameter counts as its end.
+const END: f64 = 1e-9;
 /// Share of the offset of a crossing within which another one may be nearer.
 const RELATIVE_SLACK: f64 = 1e-7;
 
@@ -38,6 +43,8 @@ pub(super) trait Traceable {
     fn domain(&self, shape: usize) -> ([Interval; 2], [Option<f64>; 2]);
     /// A box that holds all surfaces.
     fn bounds(&self) -> &Aabb<3>;
+    /// The closest point among those where the normal agrees, if there is one.
+    fn facing_near(&self, x: &Vector3<f64>, facing: &Facing) -> Option<Near>;
 }
 
 /// A point that line and shape have in common.
@@ -52,41 +59,56 @@ struct Hit {
 /// What following a line has shown.
 struct Traced {
     hit: Option<Hit>,
-    /// Up to this absolute offset there is proven to be no other hit.
+    /// Up to this absolute offset there is proven to be no other hit that counts.
     free: f64,
+    /// The smallest absolute offset of a hit that does not count, infinite without any.
+    refused: f64,
 }
 
-/// The deviation of `x` along a line in a direction of length 1, followed up to `reach` in both senses.
+/// The deviation of `x` along a line in a direction of length 1, followed up to `reach` in both senses, to where the normal
+/// agrees with a direction if one is given.
 pub(super) fn along<T: Traceable>(
     surfaces: &T,
     x: &Point3<f64>,
     direction: &Vector3<f64>,
     reach: f64,
+    facing: Option<&Facing>,
 ) -> Deviation {
     let Some([start, end]) = inside(surfaces.bounds(), &x.coords, direction, reach) else {
         return Deviation::none(Outcome::NoHit);
     };
     let size = surfaces.bounds().diagonal();
-    let line = Line { surfaces, x: x.coords, direction: *direction, nothing: NOTHING * size };
-    let (hit, free) = match line.nearest(start, end) {
-        Traced { hit: Some(hit), free } => (hit, free),
-        Traced { hit: None, free } if free < f64::INFINITY => return Deviation::none(Outcome::NotConverged),
-        Traced { .. } => return Deviation::none(Outcome::NoHit),
+    let line = Line { surfaces, x: x.coords, direction: *direction, nothing: NOTHING * size, facing };
+    let (hit, free, refused) = match line.nearest(start, end) {
+        Traced { hit: Some(hit), free, refused } => (hit, free, refused),
+        Traced { hit: None, free, .. } if free < f64::INFINITY => {
+            return Deviation::none(Outcome::NotConverged);
+        }
+        Traced { refused, .. } if refused == f64::INFINITY => return Deviation::none(Outcome::NoHit),
+        // Whether there is another crossing, too far away, makes a difference.
+        Traced { .. } if reach < f64::INFINITY => {
+            return along(surfaces, x, direction, f64::INFINITY, facing);
+        }
+        Traced { .. } => return Deviation::none(Outcome::NoMatchingFoot),
     };
     let normal = hit.jet.unit_normal().unwrap_or_default();
     let distance = signed(hit.offset.abs(), &(direction * -hit.offset), &normal);
     let (place, on_boundary) = place(surfaces, &hit);
+    let gap = (hit.offset.abs() - free).max(0.0);
+    let is_proven = gap <= PROVEN * (line.nothing + RELATIVE_SLACK * hit.offset.abs());
     Deviation {
-        outcome: Outcome::Measured,
+        outcome: if is_proven { Outcome::Measured } else { Outcome::Undecided },
         foot: hit.jet.point.into(),
         normal,
         distance,
-        gap: (hit.offset.abs() - free).max(0.0),
+        gap,
         parameter: hit.parameter,
         shape: u32::try_from(hit.shape).unwrap_or(u32::MAX),
         triangle: u32::MAX,
         place,
+        corner: 0,
         on_boundary,
+        is_restricted: refused < hit.offset.abs(),
     }
 }
 
@@ -130,6 +152,8 @@ struct Line<'a, T> {
     direction: Vector3<f64>,
     /// A length that counts as nothing.
     nothing: f64,
+    /// What the normal at a hit that counts agrees with.
+    facing: Option<&'a Facing>,
 }
 
 impl<T: Traceable> Line<'_, T> {
@@ -139,7 +163,10 @@ impl<T: Traceable> Line<'_, T> {
         // What has been passed in either sense, as absolute offsets; a line may enter the box at a distance only.
         let mut passed = [(-end).max(0.0), start.max(0.0)];
         let limits = [-start, end];
-        for _ in 0..MAX_STEPS {
+        let mut refused = f64::INFINITY;
+        // Behind a hit that does not count steps are short again.
+        let most = if self.facing.is_some() { 4 * MAX_STEPS } else { MAX_STEPS };
+        for _ in 0..most {
             let goal = |sense: usize| best.map_or(limits[sense], |hit| limits[sense].min(hit.offset.abs()));
             let slack = self.nothing.max(best.map_or(0.0, |hit| RELATIVE_SLACK * hit.offset.abs()));
             let open = |sense: usize| passed[sense] < goal(sense) - if best.is_some() { slack } else { 0.0 };
@@ -156,7 +183,10 @@ impl<T: Traceable> Line<'_, T> {
                 && (start - slack..=end + slack).contains(&hit.offset)
                 && best.is_none_or(|best| hit.offset.abs() < best.offset.abs())
             {
-                best = Some(hit);
+                match self.counted(&hit) {
+                    Some(hit) => best = Some(hit),
+                    None => refused = refused.min(hit.offset.abs()),
+                }
             }
             if near.bound <= self.nothing {
                 // The line meets the shape here, or touches it: if Newton's method finds no crossing close by, where a
@@ -167,7 +197,11 @@ impl<T: Traceable> Line<'_, T> {
                     let jet = self.surfaces.jet(near.shape, near.parameter);
                     let distance = (self.x + self.direction * offset - near.point).norm();
                     if distance <= self.nothing {
-                        best = Some(Hit { offset, shape: near.shape, parameter: near.parameter, jet });
+                        let hit = Hit { offset, shape: near.shape, parameter: near.parameter, jet };
+                        match self.counted(&hit) {
+                            Some(hit) => best = Some(hit),
+                            None => refused = refused.min(hit.offset.abs()),
+                        }
                     }
                 }
                 passed[sense] += self.nothing;
@@ -176,7 +210,33 @@ impl<T: Traceable> Line<'_, T> {
             }
         }
         let free = |sense: usize| if passed[sense] >= limits[sense] { f64::INFINITY } else { passed[sense] };
-        Traced { hit: best, free: free(0).min(free(1)) }
+        Traced { hit: best, free: free(0).min(free(1)), refused }
+    }
+
+    /// The hit, if the normal there agrees; on a border, that of another surface through the same point counts as well.
+    fn counted(&self, hit: &Hit) -> Option<Hit> {
+        let Some(facing) = self.facing else { return Some(*hit) };
+        if facing.agrees(&hit.jet.normal_direction()) {
+            return Some(*hit);
+        }
+        let (domain, _) = self.surfaces.domain(hit.shape);
+        let at_end = |axis: usize| {
+            let slack = END * domain[axis].length();
+            hit.parameter[axis] - domain[axis].start() <= slack
+                || domain[axis].end() - hit.parameter[axis] <= slack
+        };
+        if !(at_end(0) || at_end(1)) {
+            return None;
+        }
+        let near = self.surfaces.facing_near(&hit.jet.point, facing)?;
+        let is_same = (near.point - hit.jet.point).norm() <= CLOSE_BY * self.nothing;
+        let jet = self.surfaces.jet(near.shape, near.parameter);
+        (is_same && facing.agrees(&jet.normal_direction())).then_some(Hit {
+            shape: near.shape,
+            parameter: near.parameter,
+            jet,
+            ..*hit
+        })
     }
 
     /// Solves `s(u, v) = x + t · direction` from the parameters of a footpoint.

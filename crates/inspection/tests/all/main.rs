@@ -1,4 +1,5 @@
 //! All integration tests of `inspection` in one binary: linking once is most of what building them costs.
 
 mod merging;
+mod proof;
 mod shapes;

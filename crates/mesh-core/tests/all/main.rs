@@ -3,10 +3,12 @@
 mod closest;
 mod cloud_index;
 mod curvature;
+mod facing;
 mod limit_surface;
 mod line_hit;
 mod loop_subdivision;
 mod normals;
 mod polyline;
 mod sampling;
+mod seams;
 mod shapes;

@@ -86,7 +86,7 @@ impl<const D: usize> Jets<'_, D> {
                     basis_fixed::jet::<L, N>(l, self.curve.knots(), span, l.load(&ts[block * L::COUNT..]));
                 let start = span + 1 - N;
                 let points = &self.curve.control_points()[start..][..N];
-                let weights = self.curve.weights().map(|w| &w[start..][..N]);
+                let weights = self.curve.factors().map(|w| &w[start..][..N]);
                 let mut divisor = None;
                 if let Some(weights) = weights {
                     let w = combine(l, &rows, |j| weights[j]);

@@ -224,7 +224,7 @@ impl BsplineSurface {
     ) -> [f64; M] {
         let start = self.row_start(span_u, span_v, i);
         let points = &self.control_points()[start..][..M];
-        let weights = if RATIONAL { self.weights().map(|w| &w[start..][..M]) } else { None };
+        let weights = if RATIONAL { self.factors().map(|w| &w[start..][..M]) } else { None };
         let mut row = [1.0; M];
         for j in 0..M {
             if C < 3 {

@@ -4,7 +4,7 @@ use crate::{BsplineCurve, BsplineSurface, Error};
 use nalgebra::{AbstractRotation, Isometry, Isometry3, Matrix3, Point, Point3, SMatrix, SVector, Vector3};
 
 impl<const D: usize> BsplineCurve<D> {
-    fn mapped(&self, map: impl Fn(&SVector<f64, D>) -> SVector<f64, D>) -> Result<Self, Error> {
+    pub(crate) fn mapped(&self, map: impl Fn(&SVector<f64, D>) -> SVector<f64, D>) -> Result<Self, Error> {
         let points = self.control_points().iter().map(map).collect();
         Self::new(self.knots().clone(), points, self.weights().map(<[f64]>::to_vec))
     }
@@ -43,7 +43,7 @@ impl<const D: usize> BsplineCurve<D> {
 }
 
 impl BsplineSurface {
-    fn mapped(&self, map: impl Fn(&Vector3<f64>) -> Vector3<f64>) -> Result<Self, Error> {
+    pub(crate) fn mapped(&self, map: impl Fn(&Vector3<f64>) -> Vector3<f64>) -> Result<Self, Error> {
         let points = self.control_points().iter().map(map).collect();
         let weights = self.weights().map(<[f64]>::to_vec);
         Self::new(self.knots_u().clone(), self.knots_v().clone(), points, weights)

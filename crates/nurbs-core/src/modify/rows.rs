@@ -45,8 +45,8 @@ impl ControlRows {
     }
 
     pub(crate) fn from_curve<const D: usize>(curve: &BsplineCurve<D>) -> Self {
-        let data = homogeneous(curve.control_points(), curve.weights());
-        let rational = curve.weights().is_some();
+        let data = homogeneous(curve.control_points(), curve.factors());
+        let rational = curve.factors().is_some();
         let point = D + usize::from(rational);
         Self { knots: curve.knots().clone(), data, width: point, point, rational }
     }
@@ -58,8 +58,8 @@ impl ControlRows {
 
     /// The surface seen along `direction`.
     pub(crate) fn from_surface(surface: &BsplineSurface, direction: Direction) -> Self {
-        let data = homogeneous(surface.control_points(), surface.weights());
-        let rational = surface.weights().is_some();
+        let data = homogeneous(surface.control_points(), surface.factors());
+        let rational = surface.factors().is_some();
         let point = 3 + usize::from(rational);
         let (n_u, n_v) = (surface.n_u(), surface.n_v());
         match direction {

@@ -1,5 +1,6 @@
 //! OBJ, the text format of Wavefront.
 
+mod free_form;
 mod write;
 
 use std::borrow::Cow;
@@ -7,6 +8,7 @@ use std::borrow::Cow;
 use mesh_core::{Attributes, PointCloud};
 use nalgebra::{Point3, Vector3};
 
+use self::free_form::FreeForm;
 use crate::columns::{Column, Kind, colours};
 use crate::number;
 use crate::parsed::{Fans, Parsed};
@@ -17,23 +19,65 @@ pub(crate) use self::write::write;
 
 const EXPORT: &str = "correct the line or export the file again";
 
-/// Reads vertices with colours and normals, and triangles out of polygons; everything else is passed over.
+/// Reads vertices with colours and normals and triangles out of polygons, or free-form curves and surfaces where there
+/// are no polygons; everything else is passed over. Keywords in capitals are read as well.
 pub(crate) fn read(source: Source<'_>) -> Result<Parsed, Error> {
     let mut reader = Reader { source, ..Reader::default() };
     let mut lines = source.lines_from(0);
     while let Some((at, line)) = lines.next() {
         let line = joined(line, &mut lines);
-        let mut words = words(&line);
-        match words.next() {
-            Some(b"v") => reader.vertex(at, &line)?,
-            Some(b"vn") => reader.normal(at, &line)?,
-            Some(b"f" | b"fo") => reader.face(at, &line)?,
-            Some(b"vt") => reader.texture += 1,
-            Some(b"curv" | b"surf" | b"curv2") => reader.free_form += 1,
-            _ => {}
+        let Some(word) = words(&line).next() else { continue };
+        match word {
+            b"v" | b"V" => reader.vertex(at, &line)?,
+            b"vn" | b"VN" => reader.normal(at, &line)?,
+            b"f" | b"F" | b"fo" | b"FO" => reader.face(at, &line)?,
+            b"vt" | b"VT" => reader.texture += 1,
+            _ if word.starts_with(b"#") => {}
+            _ => {
+                let keyword = word.to_ascii_lowercase();
+                if !reader.free_form.statement(source, at, &keyword, &line, reader.positions.len())?
+                    && !OTHERS.contains(&keyword.as_slice())
+                {
+                    reader.unknown += 1;
+                    reader.first_unknown.get_or_insert(at);
+                }
+            }
         }
     }
     reader.finish()
+}
+
+/// Statements without points.
+const OTHERS: [&[u8]; 24] = [
+    b"vp",
+    b"p",
+    b"l",
+    b"g",
+    b"o",
+    b"s",
+    b"mg",
+    b"mtllib",
+    b"usemtl",
+    b"maplib",
+    b"usemap",
+    b"bevel",
+    b"c_interp",
+    b"d_interp",
+    b"lod",
+    b"shadow_obj",
+    b"trace_obj",
+    b"ctech",
+    b"stech",
+    b"call",
+    b"csh",
+    b"con",
+    b"res",
+    b"cdres",
+];
+
+/// The line that begins at an offset.
+fn source_line(source: Source<'_>, at: usize) -> &[u8] {
+    source.lines_from(at).next().map_or(b"".as_slice(), |(_, line)| line.trim_ascii())
 }
 
 /// A line together with those that a backslash at its end joins to it.
@@ -53,6 +97,20 @@ fn joined<'a>(line: &'a [u8], lines: &mut Lines<'a>) -> Cow<'a, [u8]> {
         }
     }
     Cow::Owned(whole)
+}
+
+/// A 0-based index from one that counts from 1, or backwards from the latest (−1).
+fn index_of(source: Source<'_>, at: usize, text: &[u8], count: usize, what: &str) -> Result<u32, Error> {
+    let written = std::str::from_utf8(text).ok().and_then(|text| text.parse::<i64>().ok());
+    let zero_based = match written {
+        Some(positive @ 1..) => positive.checked_sub(1),
+        Some(negative @ ..=-1) => i64::try_from(count).ok().and_then(|count| count.checked_add(negative)),
+        _ => None,
+    };
+    zero_based.and_then(|index| u32::try_from(index).ok()).ok_or_else(|| {
+        let what = format!("{} is no index of a {what}; {count} have been read so far", quoted(text));
+        source.line_error(at, what, "indices count from 1, or backwards from -1; correct the line")
+    })
 }
 
 /// Where a vertex stands with its normal.
@@ -78,8 +136,12 @@ struct Reader<'a> {
     /// The largest vertex that a face refers to, and where.
     last_vertex: Option<(u64, usize)>,
     texture: usize,
-    free_form: usize,
-    weighted: usize,
+    free_form: FreeForm,
+    /// Weights of the vertices up to the last that has one.
+    weights: Vec<f64>,
+    /// Lines that are no statements.
+    unknown: usize,
+    first_unknown: Option<usize>,
     cut_numbers: Option<(usize, usize)>,
 }
 
@@ -110,7 +172,10 @@ impl Reader<'_> {
         let (numbers, length) = self.numbers::<7>(at, line)?;
         self.positions.push(Point3::new(numbers[0], numbers[1], numbers[2]));
         match length {
-            4 => self.weighted += usize::from(numbers[3] != 1.0),
+            4 if numbers[3] != 1.0 => {
+                self.weights.resize(self.positions.len() - 1, 1.0);
+                self.weights.push(numbers[3]);
+            }
             6 | 7 => {
                 if self.coloured == 0 {
                     self.channels = length - 3;
@@ -135,9 +200,10 @@ impl Reader<'_> {
         let mut corners: Vec<u32> = Vec::new();
         for word in words(line).skip(1).take_while(|word| !word.starts_with(b"#")) {
             let mut parts = word.split(|&byte| byte == b'/');
-            let vertex = self.index(at, parts.next().unwrap_or_default(), self.positions.len(), "vertex")?;
+            let vertex =
+                index_of(self.source, at, parts.next().unwrap_or_default(), self.positions.len(), "vertex")?;
             let normal = match parts.nth(1).filter(|part| !part.is_empty()) {
-                Some(part) => Some(self.index(at, part, self.normals.len(), "normal")?),
+                Some(part) => Some(index_of(self.source, at, part, self.normals.len(), "normal")?),
                 None => None,
             };
             if self.last_vertex.is_none_or(|(last, _)| u64::from(vertex) > last) {
@@ -150,20 +216,6 @@ impl Reader<'_> {
         }
         self.fans.push(&corners);
         Ok(())
-    }
-
-    /// A 0-based index from one that counts from 1, or backwards from the latest (−1).
-    fn index(&self, at: usize, text: &[u8], count: usize, what: &str) -> Result<u32, Error> {
-        let written = std::str::from_utf8(text).ok().and_then(|text| text.parse::<i64>().ok());
-        let zero_based = match written {
-            Some(positive @ 1..) => positive.checked_sub(1),
-            Some(negative @ ..=-1) => i64::try_from(count).ok().and_then(|count| count.checked_add(negative)),
-            _ => None,
-        };
-        zero_based.and_then(|index| u32::try_from(index).ok()).ok_or_else(|| {
-            let what = format!("{} is no index of a {what}; {count} have been read so far", quoted(text));
-            self.source.line_error(at, what, "indices count from 1, or backwards from -1; correct the face")
-        })
     }
 
     fn note_normal(&mut self, vertex: u32, normal: u32) {
@@ -188,7 +240,21 @@ impl Reader<'_> {
             let what = format!("a face refers to vertex {}, but there are {count}", index + 1);
             return Err(self.source.line_error(at, what, "correct the face or export the file again"));
         }
+        if self.positions.is_empty()
+            && let Some(at) = self.first_unknown
+        {
+            let line = source_line(self.source, at);
+            let what = format!("{} is no statement of an OBJ file, and no vertex follows", quoted(line));
+            return Err(self.source.line_error(at, what, "give a file with lines \"v X Y Z\""));
+        }
         let mut warnings = Vec::new();
+        if let Some(at) = self.first_unknown {
+            warnings.push(format!(
+                "{} lines are no statements of an OBJ file and were passed over (first in line {})",
+                self.unknown,
+                self.source.line_at(at)
+            ));
+        }
         if let Some((at, count)) = self.cut_numbers {
             warnings.push(format!(
                 "{count} numbers are followed by other characters, which were ignored (first in line {})",
@@ -200,18 +266,29 @@ impl Reader<'_> {
         if self.coloured > 0 {
             attributes.set_colours(self.vertex_colours(&mut warnings));
         }
-        if self.weighted > 0 {
-            warnings.push(format!("not read: weights of {} vertices", self.weighted));
-        }
         if self.texture > 0 {
             warnings.push(format!("not read: {} texture coordinates", self.texture));
         }
-        if self.free_form > 0 {
-            warnings.push(format!("not read: {} free-form curves and surfaces", self.free_form));
-        }
         let triangles = self.fans.finish(&mut warnings);
+        let free_form = std::mem::take(&mut self.free_form);
+        self.weights.resize(count, 1.0);
+        if triangles.is_empty() && free_form.any() {
+            let model = free_form.into_model(self.source, &self.positions, &self.weights, &mut warnings)?;
+            if !model.shapes().is_empty() {
+                return Ok(Parsed::model(Format::Obj, model, warnings));
+            }
+        } else if free_form.any() {
+            warnings.push(format!(
+                "not read: {} free-form curves and surfaces beside polygons",
+                free_form.count()
+            ));
+        }
+        let weighted = self.weights.iter().filter(|&&weight| weight != 1.0).count();
+        if weighted > 0 {
+            warnings.push(format!("not read: weights of {weighted} vertices"));
+        }
         let cloud = PointCloud::new(self.positions).with_attributes(attributes).map_err(Error::shape)?;
-        Ok(Parsed { format: Format::Obj, cloud, triangles: Some(triangles), warnings })
+        Ok(Parsed::mesh(Format::Obj, cloud, triangles, warnings))
     }
 
     /// One normal per vertex, where the faces, or without faces the order, say which.

@@ -5,8 +5,15 @@ use std::io::{self, Write};
 use crate::shape::{Keeps, Shape};
 use crate::write_number;
 
-const KEEPS: Keeps =
-    Keeps { normals: true, colours: true, opacity: true, scalars: false, triangles: true, plane: false };
+const KEEPS: Keeps = Keeps {
+    normals: true,
+    colours: true,
+    opacity: true,
+    scalars: false,
+    texts: false,
+    triangles: true,
+    plane: false,
+};
 
 /// Writes vertices, colours as fractions behind them, normals, and triangles.
 pub(crate) fn write(out: &mut dyn Write, shape: Shape<'_>, warnings: &mut Vec<String>) -> io::Result<()> {

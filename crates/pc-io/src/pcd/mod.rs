@@ -26,9 +26,9 @@ pub(crate) fn read(source: Source<'_>) -> Result<Parsed, Error> {
     let mut warnings = std::mem::take(&mut header.warnings);
     let mut columns = empty_columns(&header.fields);
     match header.encoding {
-        Encoding::Ascii => read_text(source, &header, &mut columns)?,
-        Encoding::Binary => read_binary(source, &header, &mut columns, &mut warnings)?,
-        Encoding::Compressed => read_compressed(source, &header, &mut columns, &mut warnings)?,
+        Encoding::Ascii => read_text(source, &header, &mut columns, &mut warnings)?,
+        Encoding::Binary => read_binary(source, &header, &mut columns)?,
+        Encoding::Compressed => read_compressed(source, &header, &mut columns)?,
     }
     let mut colours = None;
     let mut plain = Vec::new();
@@ -51,7 +51,7 @@ pub(crate) fn read(source: Source<'_>) -> Result<Parsed, Error> {
         attributes.set_colours(Some(colours));
     }
     let cloud = cloud.with_attributes(attributes).map_err(Error::shape)?;
-    Ok(Parsed { format: Format::Pcd, cloud, triangles: None, warnings })
+    Ok(Parsed::cloud(Format::Pcd, cloud, warnings))
 }
 
 /// A column in the making.
@@ -100,7 +100,12 @@ fn unpack_colours(column: &PcdColumn) -> Colours {
     }
 }
 
-fn read_text(source: Source<'_>, header: &Header, columns: &mut [PcdColumn]) -> Result<(), Error> {
+fn read_text(
+    source: Source<'_>,
+    header: &Header,
+    columns: &mut [PcdColumn],
+    warnings: &mut Vec<String>,
+) -> Result<(), Error> {
     let per_point: usize = header.fields.iter().map(|field| field.count).sum();
     let points = source.check_promise(header.end, "points", header.points, 2 * per_point.max(1), true)?;
     for column in columns.iter_mut() {
@@ -140,6 +145,16 @@ fn read_text(source: Source<'_>, header: &Header, columns: &mut [PcdColumn]) -> 
             return Err(source.line_error(at, what, "correct the line or the header"));
         }
     }
+    if let Some((at, line)) = lines.find(|(_, line)| !line.trim_ascii().is_empty()) {
+        let what = format!(
+            "{} follows after the {points} points that the header tells of",
+            quoted(line.trim_ascii())
+        );
+        if points == 0 {
+            return Err(source.line_error(at, what, "correct POINTS, or WIDTH and HEIGHT, in the header"));
+        }
+        warnings.push(format!("{what} (line {})", source.line_at(at)));
+    }
     Ok(())
 }
 
@@ -155,16 +170,11 @@ fn float_bits(number: f64) -> f64 {
     f64::from((number as f32).to_bits())
 }
 
-fn read_binary(
-    source: Source<'_>,
-    header: &Header,
-    columns: &mut [PcdColumn],
-    warnings: &mut Vec<String>,
-) -> Result<(), Error> {
+fn read_binary(source: Source<'_>, header: &Header, columns: &mut [PcdColumn]) -> Result<(), Error> {
     let stride: usize = header.fields.iter().map(Field::bytes).sum();
     let points = source.check_promise(header.end, "points", header.points, stride.max(1), false)?;
     let (rows, rest) = source.data[header.end..].split_at(points * stride);
-    warn_of_rest(rest, warnings);
+    check_rest(rest, source)?;
     let mut offset = 0;
     let mut columns = columns.iter_mut();
     for field in &header.fields {
@@ -180,20 +190,20 @@ fn read_binary(
     Ok(())
 }
 
-/// PCL fills files with zeros to whole pages of memory.
-fn warn_of_rest(rest: &[u8], warnings: &mut Vec<String>) {
-    if !rest.iter().all(|&byte| byte == 0 || byte.is_ascii_whitespace()) {
-        warnings.push(format!("{} bytes follow after the last point", rest.len()));
+/// PCL fills files with zeros to whole pages of memory; anything else means that the header tells of other points.
+fn check_rest(rest: &[u8], source: Source<'_>) -> Result<(), Error> {
+    if rest.iter().all(|&byte| byte == 0) || rest.trim_ascii().is_empty() {
+        return Ok(());
     }
+    Err(Error::malformed(
+        Place::Byte(source.data.len() - rest.len()),
+        format!("{} bytes follow after the last point that the header tells of", rest.len()),
+        "the counts or sizes in the header are wrong; export the file again",
+    ))
 }
 
 /// Compressed points are stored field by field.
-fn read_compressed(
-    source: Source<'_>,
-    header: &Header,
-    columns: &mut [PcdColumn],
-    warnings: &mut Vec<String>,
-) -> Result<(), Error> {
+fn read_compressed(source: Source<'_>, header: &Header, columns: &mut [PcdColumn]) -> Result<(), Error> {
     if header.points == 0 {
         return Ok(());
     }
@@ -214,7 +224,7 @@ fn read_compressed(
     let size = size_at(4) as usize;
     let data: Cow<'_, [u8]> = lzf::unpack(&source.data[start..start + packed], size, start)?.into();
     let points = size.checked_div(stride).unwrap_or(0);
-    warn_of_rest(&source.data[start + packed..], warnings);
+    check_rest(&source.data[start + packed..], source)?;
     let mut offset = 0;
     let mut columns = columns.iter_mut();
     for field in &header.fields {

@@ -6,8 +6,15 @@ use mesh_core::Colours;
 
 use crate::shape::{Keeps, Shape};
 
-const KEEPS: Keeps =
-    Keeps { normals: true, colours: true, opacity: true, scalars: true, triangles: false, plane: true };
+const KEEPS: Keeps = Keeps {
+    normals: true,
+    colours: true,
+    opacity: true,
+    scalars: true,
+    texts: false,
+    triangles: false,
+    plane: true,
+};
 
 /// A field of one number, single or double precision.
 struct Column<'a> {

@@ -57,7 +57,8 @@ pub(super) struct Header {
 
 const EXPORT: &str = "correct the header or export the file again";
 
-/// Reads the header. Lines end as the first one does; behind a lone return binary data may begin with any byte.
+/// Reads the header. Lines end as the first one does, also with LF CR; behind a lone return binary data may begin with
+/// any byte.
 pub(super) fn read(source: Source<'_>) -> Result<Header, Error> {
     let data = source.data;
     let start = data.iter().take_while(|byte| byte.is_ascii_whitespace()).count();
@@ -66,8 +67,9 @@ pub(super) fn read(source: Source<'_>) -> Result<Header, Error> {
     if magic.trim_ascii() != b"ply" {
         return Err(source.line_error(start, "a PLY file begins with a line \"ply\"", EXPORT));
     }
-    let lone_return =
-        data.get(start + magic.len()) == Some(&b'\r') && data.get(start + magic.len() + 1) != Some(&b'\n');
+    let ending = data.get(start + magic.len()..).unwrap_or_default();
+    let lone_return = ending.starts_with(b"\r") && !ending.starts_with(b"\r\n");
+    let reversed = ending.starts_with(b"\n\r");
     let mut encoding = None;
     let mut elements: Vec<Element> = Vec::new();
     while let Some((at, line)) = lines.next() {
@@ -86,7 +88,11 @@ pub(super) fn read(source: Source<'_>) -> Result<Header, Error> {
             Some(b"end_header") => {
                 let encoding = encoding
                     .ok_or_else(|| source.line_error(at, "the header has no line \"format\"", EXPORT))?;
-                let end = if lone_return { (at + line.len() + 1).min(data.len()) } else { lines.offset() };
+                let mut end =
+                    if lone_return { (at + line.len() + 1).min(data.len()) } else { lines.offset() };
+                if reversed && data.get(end) == Some(&b'\r') {
+                    end += 1;
+                }
                 return Ok(Header { encoding, elements, end });
             }
             Some(_) => return Err(unknown(source, at, line)),

@@ -2,10 +2,12 @@
 
 mod header;
 mod rows;
+mod texts;
 mod write;
 
 use self::header::{Element, Property};
 use self::rows::{Rows, Visitor};
+use self::texts::{Texts, is_text};
 use crate::columns::{Column, assemble, names_a_position};
 use crate::error::Place;
 use crate::number_type::warn_of_wide;
@@ -28,11 +30,12 @@ pub(crate) fn read(source: Source<'_>) -> Result<Parsed, Error> {
 
     let mut rows = Rows::new(source, header.encoding, header.end);
     let mut columns = Vec::new();
+    let mut texts = Texts::default();
     let mut fans = Fans::default();
     let mut not_read = Vec::new();
     for (index, element) in elements.iter().enumerate() {
         if Some(index) == points {
-            columns = read_points(&mut rows, element, &mut warnings)?;
+            (columns, texts) = read_points(&mut rows, element, &mut warnings)?;
         } else if let Some((property, is_strip)) = face_list(element) {
             let corners = Vec::new();
             rows.visit(element, &mut Faces { property, is_strip, point_count, corners, fans: &mut fans })?;
@@ -51,18 +54,14 @@ pub(crate) fn read(source: Source<'_>) -> Result<Parsed, Error> {
     if rows.overlong > 0 {
         warnings.push(format!("{} rows hold more numbers than the header has properties", rows.overlong));
     }
-    let rest = rows.rest();
-    if !rest.iter().all(u8::is_ascii_whitespace) {
-        warnings.push(format!("{} bytes follow after the last element", rest.len()));
-    }
+    rows.check_end(elements, &mut warnings)?;
     let cloud = match points {
         Some(_) => assemble(columns, &mut warnings).map_err(not_points)?,
-        None => {
-            warnings.push("the file holds no points".to_owned());
-            mesh_core::PointCloud::new(Vec::new())
-        }
+        None => mesh_core::PointCloud::new(Vec::new()),
     };
-    Ok(Parsed { format: Format::Ply, cloud, triangles: Some(fans.finish(&mut warnings)), warnings })
+    let cloud = texts.attach(cloud)?;
+    let triangles = fans.finish(&mut warnings);
+    Ok(Parsed::mesh(Format::Ply, cloud, triangles, warnings))
 }
 
 fn scalar_names(element: &Element) -> impl Iterator<Item = &str> + Clone {
@@ -117,7 +116,7 @@ fn read_points(
     rows: &mut Rows<'_>,
     element: &Element,
     warnings: &mut Vec<String>,
-) -> Result<Vec<Column>, Error> {
+) -> Result<(Vec<Column>, Texts), Error> {
     let count = rows.checked_count(element)?;
     let column = |property: &Property| {
         property.list.is_none().then(|| Column {
@@ -126,23 +125,25 @@ fn read_points(
             values: Vec::with_capacity(count),
         })
     };
-    let mut points = Points { columns: element.properties.iter().map(column).collect() };
+    let columns = element.properties.iter().map(column).collect();
+    let mut points = Points { columns, texts: Texts::of(element) };
     rows.visit(element, &mut points)?;
-    let lists: Vec<_> = element.properties.iter().filter(|property| property.list.is_some()).collect();
-    if !lists.is_empty() {
-        let names: Vec<_> = lists.iter().map(|property| property.name.as_str()).collect();
+    let lists = element.properties.iter().filter(|property| property.list.is_some() && !is_text(property));
+    let names: Vec<_> = lists.map(|property| property.name.as_str()).collect();
+    if !names.is_empty() {
         warnings.push(format!("lists per point are not read: {}", names.join(", ")));
     }
     let columns: Vec<_> = points.columns.into_iter().flatten().collect();
     for column in &columns {
         warn_of_wide(&column.name, column.kind, &column.values, warnings);
     }
-    Ok(columns)
+    Ok((columns, points.texts))
 }
 
 /// Collects the numbers of points, one column per property that is not a list.
 struct Points {
     columns: Vec<Option<Column>>,
+    texts: Texts,
 }
 
 impl Visitor for Points {
@@ -157,9 +158,12 @@ impl Visitor for Points {
         self.columns[property].as_mut().map(|column| &mut column.values)
     }
 
-    fn item(&mut self, _: usize, _: f64) {}
+    fn item(&mut self, property: usize, value: f64) {
+        self.texts.add(property, value);
+    }
 
     fn end_row(&mut self, _: Place) -> Result<(), Error> {
+        self.texts.end_row();
         Ok(())
     }
 }

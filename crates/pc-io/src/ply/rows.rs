@@ -34,9 +34,30 @@ impl<'a> Rows<'a> {
         Self { source, encoding, at, overlong: 0 }
     }
 
-    /// What is left after the last row.
-    pub(super) fn rest(&self) -> &'a [u8] {
-        self.source.data.get(self.at..).unwrap_or_default()
+    /// Makes sure that nothing is left after the last row but the end of a line: else the rows of a binary file begin or
+    /// end elsewhere, and the numbers read are not those that were written. In a text, lines that are left over are told,
+    /// unless the header says that there are no rows at all.
+    pub(super) fn check_end(&self, elements: &[Element], warnings: &mut Vec<String>) -> Result<(), Error> {
+        let rest = self.source.data.get(self.at..).unwrap_or_default();
+        let is_text = self.encoding == Encoding::Ascii;
+        let is_end = matches!(rest, b"" | b"\n" | b"\r" | b"\r\n");
+        if is_end || is_text && rest.trim_ascii().is_empty() {
+            return Ok(());
+        }
+        let counts: Vec<String> =
+            elements.iter().map(|element| format!("{} {}", element.count, element.name)).collect();
+        let counts = counts.join(", ");
+        let what = if is_text { "lines".to_owned() } else { format!("{} bytes", rest.len()) };
+        let what = format!("{what} follow after the last row that the header tells of ({counts})");
+        let at = self.at + rest.iter().take_while(|byte| byte.is_ascii_whitespace()).count();
+        let line = self.source.line_at(at);
+        if is_text && elements.iter().any(|element| element.count > 0) {
+            warnings.push(format!("{what}, from line {line} on"));
+            return Ok(());
+        }
+        let place = if is_text { Place::Line(line) } else { Place::Byte(self.at) };
+        let advice = "the counts or types in the header, or its line ends, are wrong; export the file again";
+        Err(Error::malformed(place, what, advice))
     }
 
     /// The number of rows of the next element, which is known to fit into the file.

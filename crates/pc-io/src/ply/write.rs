@@ -2,11 +2,20 @@
 
 use std::io::{self, Write};
 
+use mesh_core::TextField;
+
 use crate::shape::{Keeps, Shape};
 use crate::write_number;
 
-const KEEPS: Keeps =
-    Keeps { normals: true, colours: true, opacity: true, scalars: true, triangles: true, plane: true };
+const KEEPS: Keeps = Keeps {
+    normals: true,
+    colours: true,
+    opacity: true,
+    scalars: true,
+    texts: true,
+    triangles: true,
+    plane: true,
+};
 
 /// Writes doubles, as text or as little endian binary.
 pub(crate) fn write(
@@ -17,7 +26,9 @@ pub(crate) fn write(
 ) -> io::Result<()> {
     shape.warn_of_loss(KEEPS, warnings);
     let names = shape.scalar_names(warnings);
-    write_header(out, shape, ascii, &names)?;
+    let texts = shape.texts(&names);
+    let texts: Vec<Text<'_>> = texts.into_iter().map(|(name, field)| Text::new(name, field)).collect();
+    write_header(out, shape, ascii, &names, &texts)?;
     let mut row = Row { ascii, bytes: Vec::new() };
     for (index, point) in shape.positions().iter().enumerate() {
         row.doubles(&point.coords.as_slice()[..shape.cloud.dimension()])?;
@@ -32,6 +43,9 @@ pub(crate) fn write(
         for field in shape.attributes().scalars() {
             row.doubles(&field.values[index..=index])?;
         }
+        for text in &texts {
+            row.text(text, text.field.get(index).unwrap_or_default())?;
+        }
         row.end(out)?;
     }
     for triangle in shape.triangles {
@@ -41,7 +55,26 @@ pub(crate) fn write(
     Ok(())
 }
 
-fn write_header(out: &mut dyn Write, shape: Shape<'_>, ascii: bool, names: &[String]) -> io::Result<()> {
+/// Texts as lists of bytes, whose lengths take one byte if all are short.
+struct Text<'a> {
+    name: String,
+    field: &'a TextField,
+    is_long: bool,
+}
+
+impl<'a> Text<'a> {
+    fn new(name: String, field: &'a TextField) -> Self {
+        Self { name, field, is_long: field.iter().any(|text| text.len() > 255) }
+    }
+}
+
+fn write_header(
+    out: &mut dyn Write,
+    shape: Shape<'_>,
+    ascii: bool,
+    names: &[String],
+    texts: &[Text<'_>],
+) -> io::Result<()> {
     let format = if ascii { "ascii" } else { "binary_little_endian" };
     write!(out, "ply\nformat {format} 1.0\nelement vertex {}\n", shape.positions().len())?;
     let normals = if shape.normals().is_some() { ["nx", "ny", "nz"].as_slice() } else { &[] };
@@ -56,6 +89,9 @@ fn write_header(out: &mut dyn Write, shape: Shape<'_>, ascii: bool, names: &[Str
     }
     for name in names {
         writeln!(out, "property double {name}")?;
+    }
+    for text in texts {
+        writeln!(out, "property list {} uchar {}", if text.is_long { "uint" } else { "uchar" }, text.name)?;
     }
     if !shape.triangles.is_empty() {
         write!(out, "element face {}\nproperty list uchar uint vertex_indices\n", shape.triangles.len())?;
@@ -97,6 +133,20 @@ impl Row {
                 self.bytes.push(channel);
             }
         }
+        Ok(())
+    }
+
+    fn text(&mut self, text: &Text<'_>, value: &str) -> io::Result<()> {
+        if self.ascii {
+            self.separate();
+            write!(self.bytes, "{}", value.len())?;
+            return value.bytes().try_for_each(|byte| write!(self.bytes, " {byte}"));
+        }
+        // No text is longer than the memory that indices of 32 bits reach.
+        let length = u32::try_from(value.len()).map_err(io::Error::other)?;
+        let length = length.to_le_bytes();
+        self.bytes.extend_from_slice(if text.is_long { &length } else { &length[..1] });
+        self.bytes.extend(value.bytes());
         Ok(())
     }
 

@@ -1,6 +1,7 @@
 //! What columns without names mean.
 
-use crate::{Error, Place};
+use super::layout::Layout;
+use super::rows::Rows;
 
 /// Largest deviation of the length of a normal from 1.
 const UNIT: f64 = 0.02;
@@ -9,24 +10,40 @@ const SAMPLE: usize = 10_000;
 
 /// Names for the columns of rows without a header.
 ///
-/// Two columns are x y, three x y z. After them a group of three that has unit length in every row is a normal, a
-/// group of three (four at the end) that holds nothing but integers from 0 to 255 is a colour, and a single column
-/// after the coordinates is an intensity. Other columns are named by their place.
-pub(super) fn guess(
-    values: &[f64],
-    width: usize,
-    is_pts: bool,
-    warnings: &mut Vec<String>,
-) -> Result<Vec<String>, Error> {
-    let coordinates = width.min(3);
-    let mut names: Vec<String> =
-        ["x", "y", "z"].iter().take(coordinates).map(|&name| name.to_owned()).collect();
-    let table = Table { values, width };
+/// Two columns of numbers are x y, three x y z. After them a group of three that has unit length in every row is a
+/// normal, a group of three (four at the end) that holds nothing but integers from 0 to 255 is a colour, and a single
+/// column after the coordinates is an intensity. Columns of text name the points, or are named by their place, as are
+/// other columns.
+pub(super) fn guess(rows: &Rows, layout: &Layout, warnings: &mut Vec<String>) -> Vec<String> {
+    let is_number = |place: &usize| !layout.texts.contains(place) && !layout.blanks.contains(place);
+    let places: Vec<usize> = (0..rows.width).filter(is_number).collect();
+    let table = Table { values: &rows.values, width: rows.width, places: &places };
+    let by_place = |place: usize| format!("column_{}", place + 1);
+    let found = guess_numbers(&table, layout.promised.is_some());
+    let mut names: Vec<String> = (0..rows.width).map(by_place).collect();
+    for (&place, name) in places.iter().zip(found) {
+        names[place] = name.unwrap_or_else(|| by_place(place));
+    }
+    layout.blanks.iter().filter(|&&place| place < rows.width).for_each(|&place| names[place].clear());
+    if let Some(label) = layout.label.filter(|&label| label < rows.width) {
+        "name".clone_into(&mut names[label]);
+    }
+    if rows.width - layout.blanks.len().min(rows.width) > 3 && !rows.values.is_empty() {
+        warnings.push(format!("there is no header; the columns were taken as {}", names.join(" ")));
+    }
+    names
+}
+
+/// Names of the columns of numbers; `None` for those that are named by their place.
+fn guess_numbers(table: &Table<'_>, is_pts: bool) -> Vec<Option<String>> {
+    let width = table.places.len();
+    let mut names: Vec<Option<String>> =
+        ["x", "y", "z"].iter().take(width).map(|&name| Some(name.to_owned())).collect();
     let (mut has_normals, mut has_colours) = (false, false);
     while names.len() < width {
         let at = names.len();
         let left = width - at;
-        let mut add = |group: &[&str]| names.extend(group.iter().map(|&name| name.to_owned()));
+        let mut add = |group: &[&str]| names.extend(group.iter().map(|&name| Some(name.to_owned())));
         if left >= 3 && !has_normals && table.is_unit(at) {
             has_normals = true;
             add(&["nx", "ny", "nz"]);
@@ -42,39 +59,40 @@ pub(super) fn guess(
         } else if at == 3 && left == 1 {
             add(&["intensity"]);
         } else {
-            names.push(format!("column_{}", at + 1));
+            names.push(None);
         }
     }
-    if width > 3 && !values.is_empty() {
-        warnings.push(format!("there is no header; the columns were taken as {}", names.join(" ")));
-    }
-    if width > 1000 {
-        return Err(Error::malformed(
-            Place::Whole,
-            format!("the lines have {width} columns, which is no list of points"),
-            "give a file with one point per line",
-        ));
-    }
-    Ok(names)
+    names
 }
 
 struct Table<'a> {
     values: &'a [f64],
     width: usize,
+    /// The columns that hold numbers.
+    places: &'a [usize],
 }
 
 impl Table<'_> {
-    fn rows(&self) -> impl Iterator<Item = &[f64]> {
-        let count = self.values.len() / self.width;
-        let step = (count / SAMPLE).max(1);
-        self.values.chunks_exact(self.width).step_by(step)
+    /// Rows of the columns from number `at` on.
+    fn rows<'a>(
+        &'a self,
+        at: usize,
+        count: usize,
+    ) -> impl Iterator<Item = impl Iterator<Item = f64> + 'a> + 'a {
+        let rows = self.values.len() / self.width;
+        let step = (rows / SAMPLE).max(1);
+        let places = &self.places[at..at + count];
+        self.values
+            .chunks_exact(self.width)
+            .step_by(step)
+            .map(move |row| places.iter().map(move |&place| row[place]))
     }
 
     /// Whether three columns have length 1 in almost every row; zero and NaN stand for an unknown normal.
     fn is_unit(&self, at: usize) -> bool {
         let (mut known, mut unit) = (0usize, 0usize);
-        for row in self.rows() {
-            let length = row[at..at + 3].iter().map(|value| value * value).sum::<f64>().sqrt();
+        for row in self.rows(at, 3) {
+            let length = row.map(|value| value * value).sum::<f64>().sqrt();
             if length > 0.0 {
                 known += 1;
                 unit += usize::from((length - 1.0).abs() <= UNIT);
@@ -84,11 +102,11 @@ impl Table<'_> {
     }
 
     fn are_bytes(&self, at: usize, count: usize) -> bool {
-        let is_byte = |&value: &f64| value.fract() == 0.0 && (0.0..=255.0).contains(&value);
-        self.rows().all(|row| row[at..at + count].iter().all(is_byte))
+        let is_byte = |value: f64| value.fract() == 0.0 && (0.0..=255.0).contains(&value);
+        self.rows(at, count).all(|mut row| row.all(is_byte))
     }
 
     fn is_opacity(&self, at: usize) -> bool {
-        self.rows().all(|row| row[at] == 255.0)
+        self.rows(at, 1).all(|mut row| row.all(|value| value == 255.0))
     }
 }

@@ -2,8 +2,11 @@
 
 mod common;
 mod coordinates;
+mod meshes;
 mod mutation;
+mod nurbs_files;
 mod odd_rows;
 mod reference;
 mod round_trip;
 mod sniffing;
+mod tables;

@@ -5,7 +5,7 @@ use super::fit::{CHOICE, EXACT, SMOOTHER, State, Work};
 use super::start::Layout;
 use crate::options::Smoothing;
 use crate::{Error, Status};
-use footpoint::{CurveProjector, ProjectionOptions};
+use footpoint::CurveProjector;
 use nalgebra::SVector;
 use nurbs_core::BsplineCurve;
 
@@ -152,8 +152,7 @@ fn refined<const D: usize>(
 ) -> Result<Option<BsplineCurve<D>>, Error> {
     let knots = curve.knots();
     let projector = CurveProjector::new(curve);
-    let options = ProjectionOptions::default();
-    let feet = projector.project_many(work.points, &options, &footpoint::no_progress);
+    let feet = projector.project_all(work.points);
     // For each span: points, sum of squares, sum of squares times parameter, largest distance.
     let mut sums = vec![(0usize, 0.0, 0.0, 0.0f64); knots.basis_count()];
     for foot in &feet {

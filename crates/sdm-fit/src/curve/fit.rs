@@ -12,7 +12,7 @@ use super::start::Layout;
 use crate::iterate::{Progress, fit_with_progress, no_progress};
 use crate::options::{FitOptions, FootpointPolicy, Smoothing};
 use crate::{Constraints, Error, FitReport, Status, StepRecord, Target};
-use footpoint::{CurveProjector, ProjectionOptions};
+use footpoint::CurveProjector;
 use nalgebra::SVector;
 use nurbs_core::BsplineCurve;
 
@@ -327,8 +327,7 @@ impl<'a, const D: usize> Work<'a, D> {
         (closed, closure, start): (bool, Closure, CurveStart),
     ) -> Result<CurveFit<D>, Error> {
         let projector = CurveProjector::new(&state.curve);
-        let found =
-            projector.project_many(self.points, &ProjectionOptions::default(), &footpoint::no_progress);
+        let found = projector.project_all(self.points);
         let nothing = PointFoot { parameter: f64::NAN, foot: SVector::repeat(f64::NAN), distance: f64::NAN };
         let mut feet = vec![nothing; points.len()];
         let (mut sum, mut max, mut max_index) = (0.0, 0.0, 0);
@@ -350,6 +349,7 @@ impl<'a, const D: usize> Work<'a, D> {
             start,
             points: points.len(),
             dropped: points.len() - kept.len(),
+            used: state.report.used,
             controls: state.curve.knots().distinct_count(),
             degree: state.curve.degree(),
             rms: (sum / kept.len() as f64).sqrt(),

@@ -7,6 +7,8 @@ use crate::{Error, Status};
 use distance_field::ErrorTerm;
 use nurbs_core::BsplineCurve;
 
+/// Most iterations of a polish.
+const POLISH: usize = 30;
 /// Share of the size below which a fit is polished.
 const NEARLY_EXACT: f64 = 1e-5;
 /// Share by which finishing may raise the distance (for less energy).
@@ -72,8 +74,12 @@ impl<const D: usize> Work<'_, D> {
             .with_smoothing(Smoothing::NONE)
             .with_term(ErrorTerm::Tangent)
             .with_control(StepControl::LevenbergMarquardt)
-            .with_max_iterations(30);
-        let next = self.run(state.curve.clone(), &fit, "polish")?;
+            .with_max_iterations(self.options.fit.max_iterations.min(POLISH));
+        let mut next = self.run(state.curve.clone(), &fit, "polish")?;
+        // What has converged only becomes better by this, however far it goes.
+        if next.report.status == Status::MaxIterations && state.report.status == Status::Converged {
+            next.report.status = Status::Converged;
+        }
         if next.report.rms < state.report.rms && next.report.max <= state.report.max {
             self.keep(&next);
             return Ok(next);

@@ -50,6 +50,7 @@ pub struct StageRecord {
     /// What the stage was for: `fit`, `insert`, `remove`, `choose`, `uncross`, `finish`, `polish`, `conic`, `weights`.
     pub stage: &'static str,
     /// Number of control points.
+    #[cfg_attr(feature = "serde", serde(rename = "control_points"))]
     pub controls: usize,
     /// Root mean square distance.
     pub rms: f64,
@@ -80,8 +81,13 @@ pub struct CurveReport {
     /// Number of points given.
     pub points: usize,
     /// Number of points left out because they are not finite.
+    #[cfg_attr(feature = "serde", serde(rename = "points_dropped"))]
     pub dropped: usize,
+    /// Number of points that count at the end.
+    #[cfg_attr(feature = "serde", serde(rename = "points_used"))]
+    pub used: usize,
     /// Number of control points (those that repeat counted once).
+    #[cfg_attr(feature = "serde", serde(rename = "control_points"))]
     pub controls: usize,
     /// Degree.
     pub degree: usize,
@@ -96,6 +102,7 @@ pub struct CurveReport {
     /// Share of the points within it.
     pub share_within: Option<f64>,
     /// Whether all of them are.
+    #[cfg_attr(feature = "serde", serde(rename = "within_tolerance"))]
     pub reached: Option<bool>,
     /// Factor of the energy at the end.
     pub lambda: f64,
@@ -127,7 +134,7 @@ impl std::fmt::Display for CurveReport {
         )?;
         if let (Some(tolerance), Some(share), Some(false)) = (self.tolerance, self.share_within, self.reached)
         {
-            write!(f, "; tolerance {tolerance} not reached: {:.2} % of the points within", 100.0 * share)?;
+            write!(f, "; tolerance {tolerance} not reached: a share of {share} of the points within")?;
         }
         if !self.crossings.is_empty() {
             write!(f, "; crosses itself {} times", self.crossings.len())?;

@@ -73,14 +73,64 @@ pub struct PrimitiveFit<S, const D: usize> {
     pub dropped: usize,
     /// Number of points that count; fewer than are finite only where outliers are told apart.
     pub used: usize,
+    /// Distance of each point in the order of the input, NaN for those left out: positive outside of a circle in the plane or a
+    /// surface, on the side of a plane to which its direction points, on the left of a line in the plane; of lines and circles in
+    /// space without sign.
+    pub residuals: Vec<f64>,
+    /// Largest minus smallest residual of the points that count: the width of the zone that holds them. Of lines and circles in
+    /// space the diameter of the tube, twice the largest distance.
+    pub form_error: f64,
+    /// The points that count furthest from the shape, by index, the furthest first: [`PrimitiveOptions::worst`] of them.
+    ///
+    /// [`PrimitiveOptions::worst`]: super::PrimitiveOptions::worst
+    pub worst: Vec<usize>,
+    /// Number of residuals of different points that count minus number of unknowns: with 0 the shape goes through all points.
+    pub redundancy: usize,
+    /// Number of different shapes found whose sums of squares are the same to a millionth.
+    pub solutions: usize,
+    /// Number of starts, or of random subsets where outliers are told apart.
+    pub starts: usize,
+    /// How likely the search missed a better shape, by what it has seen.
+    ///
+    /// Without outliers `(1 − h/n)ⁿ`, the probability that all of `n` starts miss a minimum that is reached as easily as the one
+    /// given, which `h` of them reached; 0 if the points lie on the shape. With outliers `(1 − qᵐ)ᵏ`, the probability that none of `k` random
+    /// subsets of `m` points, as many as the shape needs, was free of them, `q` being the share of the points that count
+    /// (\[FB81\]). 0 for lines and planes, whose least squares solution is in closed form.
+    pub miss_probability: f64,
     /// Smallest singular value of the Jacobian over the largest, its columns scaled to unit length.
     pub conditioning: f64,
     /// Covariance of [`Elements::values`], `σ̂² G H⁻¹ Gᵀ`, by rows; empty unless asked for.
     pub covariance: Vec<Vec<f64>>,
 }
 
+impl<const D: usize> PrimitiveFit<(), D> {
+    /// The report with a shape.
+    pub(super) fn with_shape<S>(self, shape: S) -> PrimitiveFit<S, D> {
+        PrimitiveFit {
+            shape,
+            elements: self.elements,
+            status: self.status,
+            rms: self.rms,
+            max: self.max,
+            iterations: self.iterations,
+            points: self.points,
+            dropped: self.dropped,
+            used: self.used,
+            residuals: self.residuals,
+            form_error: self.form_error,
+            worst: self.worst,
+            redundancy: self.redundancy,
+            solutions: self.solutions,
+            starts: self.starts,
+            miss_probability: self.miss_probability,
+            conditioning: self.conditioning,
+            covariance: self.covariance,
+        }
+    }
+}
+
 impl<S, const D: usize> PrimitiveFit<S, D> {
-    /// Whether the shape is a local minimum of the sum of squared distances.
+    /// Whether the shape is a minimum of the sum of squared distances that nothing speaks against.
     #[must_use]
     pub fn is_converged(&self) -> bool {
         self.status == PrimitiveStatus::Converged

@@ -1,39 +1,33 @@
-//! From points to a shape: frame, start, minimum, report.
+//! From points to a shape: frame, search, report.
 
+use super::apart::is_apart;
 use super::elements::{Elements, PrimitiveFit};
-use super::minimise::{Minimum, approach, covariance, minimise};
+use super::minimise::{Minimum, covariance};
 use super::model::Model;
-use super::start::{mean, rank, thinned};
-use super::sums::{Worth, cost};
+use super::robust::{Rule, robust};
+use super::search::least_squares;
+use super::start::{mean, rank};
+use super::sums::Worth;
 use super::{PrimitiveOptions, PrimitiveOutliers, PrimitiveStatus};
 use crate::Error;
 use nalgebra::SVector;
 
-/// Points that choose among the starts.
-const CHOOSERS: usize = 500;
-
-/// Steps from each start before the choice.
-const CHOICE_STEPS: usize = 25;
-
-/// Random subsets that give starts when there are outliers.
-const SUBSETS: u64 = 40;
-
-/// Most rounds in which outliers are told apart again.
-const ROUNDS: usize = 60;
-
-/// `σ` of normally distributed values over the median of their absolute values.
-const PER_MEDIAN: f64 = 1.482_602_218_505_602;
+/// Chance of a miss above which a minimum is doubtful.
+const DOUBTFUL: f64 = 0.05;
 
 /// The points in a frame about their middle, in units of about their size (a power of 2, so that scaling is exact).
 pub(super) struct Cloud<const D: usize> {
     pub(super) points: Vec<SVector<f64, D>>,
     pub(super) centre: SVector<f64, D>,
     pub(super) scale: f64,
+    /// Index of each point in the input.
+    indices: Vec<usize>,
 }
 
 impl<const D: usize> Cloud<D> {
     fn new(points: &[SVector<f64, D>], needed: usize) -> Result<Self, Error> {
-        let finite: Vec<_> = points.iter().filter(|p| p.iter().all(|c| c.is_finite())).copied().collect();
+        let (indices, finite): (Vec<_>, Vec<_>) =
+            points.iter().copied().enumerate().filter(|(_, p)| p.iter().all(|c| c.is_finite())).unzip();
         let too_few = Error::TooFewPoints { total: points.len(), finite: finite.len(), needed };
         let Some(first) = finite.first() else { return Err(too_few) };
         if finite.len() < needed {
@@ -49,7 +43,16 @@ impl<const D: usize> Cloud<D> {
         let scale = size.log2().ceil().exp2();
         let centre = low + half;
         let points = finite.iter().map(|p| (p - centre) / scale).collect();
-        Ok(Self { points, centre, scale })
+        Ok(Self { points, centre, scale, indices })
+    }
+
+    /// Number of different points among some.
+    fn different(&self, used: &[usize]) -> usize {
+        let mut bits: Vec<[u64; D]> =
+            used.iter().map(|&i| std::array::from_fn(|k| (self.points[i][k] + 0.0).to_bits())).collect();
+        bits.sort_unstable();
+        bits.dedup();
+        bits.len()
     }
 }
 
@@ -73,33 +76,25 @@ impl<M, const D: usize> Found<M, D> {
     pub(super) fn extent(&self, f: impl Fn(&SVector<f64, D>) -> f64) -> [f64; 2] {
         self.used.iter().map(f).fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(x), b.max(x)])
     }
-
-    /// The report with a shape.
-    pub(super) fn with_shape<S>(self, shape: S) -> PrimitiveFit<S, D> {
-        let fit = self.fit;
-        PrimitiveFit {
-            shape,
-            elements: fit.elements,
-            status: fit.status,
-            rms: fit.rms,
-            max: fit.max,
-            iterations: fit.iterations,
-            points: fit.points,
-            dropped: fit.dropped,
-            used: fit.used,
-            conditioning: fit.conditioning,
-            covariance: fit.covariance,
-        }
-    }
 }
 
-/// Fits a model, given how starts are found and how many dimensions the points must span.
+/// What a search found.
+struct Outcome<M> {
+    minimum: Minimum<M>,
+    worth: Worth,
+    /// Indices of the points that count.
+    used: Vec<usize>,
+    solutions: usize,
+    starts: usize,
+    miss: f64,
+}
+
+/// Fits a model, given how many dimensions the points must span.
 pub(super) fn fit<const D: usize, M: Model<D>>(
     points: &[SVector<f64, D>],
     options: &PrimitiveOptions,
     shape: &'static str,
     dimensions: usize,
-    starts: impl Fn(&[SVector<f64, D>]) -> Vec<M> + Sync,
 ) -> Result<Found<M, D>, Error> {
     options.check()?;
     let cloud = Cloud::new(points, M::UNKNOWNS.div_ceil(M::ROWS))?;
@@ -111,44 +106,68 @@ pub(super) fn fit<const D: usize, M: Model<D>>(
     if rank(&cloud.points, rounding) < dimensions {
         return Err(degenerate);
     }
-    let limit = options.max_iterations;
-    let (minimum, used, worth) = match options.outliers {
-        PrimitiveOutliers::None => {
-            let start = chosen(starts(&cloud.points), &cloud.points).ok_or(degenerate)?;
-            (minimise(start, &cloud.points, Worth::Square, limit), cloud.points.clone(), Worth::Square)
-        }
-        PrimitiveOutliers::Trimmed { share } => {
-            let start = robust_start(&cloud.points, share, &starts).ok_or(degenerate)?;
-            let (minimum, used) = trimmed(start, &cloud.points, share, limit);
-            (minimum, used, Worth::Square)
-        }
-        PrimitiveOutliers::Tukey { abs_scale } => {
-            let start = robust_start(&cloud.points, 0.5, &starts).ok_or(degenerate)?;
-            let (minimum, worth) = tukey(start, &cloud.points, abs_scale.map(|s| s / scale), limit);
-            let counts = |x: &&SVector<f64, D>| worth.counts(minimum.model.distance_sq(x));
-            let used = cloud.points.iter().filter(counts).copied().collect();
-            (minimum, used, worth)
-        }
+    let floor = cloud.points.len() as f64 * rounding * rounding;
+    let everything: Vec<usize> = (0..cloud.points.len()).collect();
+    let rule = match options.outliers {
+        PrimitiveOutliers::None => None,
+        PrimitiveOutliers::Trimmed { share } => Some(Rule::Trimmed(share)),
+        PrimitiveOutliers::Tukey { abs_scale } => Some(Rule::Tukey(abs_scale.map(|s| s / scale))),
     };
-    let fit = report(&minimum, &cloud, &used, worth, points.len(), options.covariance);
-    Ok(Found { model: minimum.model, cloud, used, fit })
+    let redundancy = |used: &[usize]| (cloud.different(used) * M::ROWS).saturating_sub(M::UNKNOWNS);
+    let limit = options.max_iterations;
+    let mut outcome = if let Some(rule) = rule {
+        let found = robust::<D, M>(&cloud.points, rule, rounding, limit).ok_or_else(|| degenerate.clone())?;
+        let (mut minimum, used) = (found.minimum, found.used);
+        if minimum.status == PrimitiveStatus::Converged
+            && !is_apart(&minimum.model, &cloud.points, &used, rule)
+        {
+            minimum.status = PrimitiveStatus::Doubtful;
+        }
+        let (worth, starts, miss) = (found.worth, found.subsets, found.miss);
+        Outcome { minimum, worth, used, solutions: 1, starts, miss }
+    } else {
+        let exact = redundancy(&everything) == 0;
+        let found =
+            least_squares::<D, M>(&cloud.points, floor, exact, limit).ok_or_else(|| degenerate.clone())?;
+        let mut minimum = found.minimum;
+        if found.beyond {
+            minimum.status = PrimitiveStatus::OnBoundary;
+        }
+        let (solutions, starts, miss) = (found.solutions, found.starts, found.miss);
+        Outcome { minimum, worth: Worth::Square, used: everything, solutions, starts, miss }
+    };
+    let redundancy = redundancy(&outcome.used);
+    let status = &mut outcome.minimum.status;
+    if !outcome.minimum.model.is_proper() {
+        outcome.minimum.model = outcome.minimum.model.clone().made_proper().ok_or(degenerate)?;
+        *status = PrimitiveStatus::OnBoundary;
+    } else if *status == PrimitiveStatus::Converged {
+        if outcome.solutions > 1 || (M::SEVERAL && redundancy == 0) {
+            *status = PrimitiveStatus::Ambiguous;
+        } else if outcome.miss > DOUBTFUL {
+            *status = PrimitiveStatus::Doubtful;
+        }
+    }
+    let used = outcome.used.iter().map(|&i| cloud.points[i]).collect::<Vec<_>>();
+    let fit = report(&outcome, &cloud, &used, redundancy, points.len(), options);
+    Ok(Found { model: outcome.minimum.model, cloud, used, fit })
 }
 
 fn report<const D: usize, M: Model<D>>(
-    minimum: &Minimum<M>,
+    outcome: &Outcome<M>,
     cloud: &Cloud<D>,
     used: &[SVector<f64, D>],
-    worth: Worth,
+    redundancy: usize,
     total: usize,
-    with_covariance: bool,
+    options: &PrimitiveOptions,
 ) -> PrimitiveFit<(), D> {
+    let minimum = &outcome.minimum;
+    let model = &minimum.model;
     let centre = mean(used);
-    let elements: Elements<D> = minimum.model.elements(&centre);
-    let squares = used.iter().map(|x| minimum.model.distance_sq(x));
-    let (sum, max) = squares.fold((0.0, 0.0f64), |(sum, max), d| (sum + d, max.max(d)));
+    let elements: Elements<D> = model.elements(&centre);
     let mut rows = Vec::new();
-    if with_covariance && minimum.status != PrimitiveStatus::Undetermined {
-        let matrix = covariance(minimum, used, worth, &centre);
+    if options.covariance && minimum.status != PrimitiveStatus::Undetermined {
+        let matrix = covariance(minimum, used, outcome.worth, &centre);
         // Lengths come back in the units of the input; directions and angles have none.
         let directions = elements.direction.map_or(0, |_| D);
         let unit = |i: usize| {
@@ -160,140 +179,39 @@ fn report<const D: usize, M: Model<D>>(
             rows = (0..m.nrows()).map(row).collect();
         }
     }
+    // Distances in the frame of the cloud, positive outside.
+    let signed = |x: &SVector<f64, D>| {
+        let [a, b] = model.residuals(x);
+        if M::ROWS == 1 { a * model.outside() } else { a.hypot(b) }
+    };
+    let mut residuals = vec![f64::NAN; total];
+    for (x, &index) in cloud.points.iter().zip(&cloud.indices) {
+        residuals[index] = signed(x) * cloud.scale;
+    }
+    let mut worst: Vec<usize> = outcome.used.iter().map(|&i| cloud.indices[i]).collect();
+    let counted = worst.iter().map(|&i| residuals[i]);
+    let [low, high] = counted.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], r| [a.min(r), b.max(r)]);
+    worst.sort_by(|&a, &b| residuals[b].abs().total_cmp(&residuals[a].abs()).then(a.cmp(&b)));
+    worst.truncate(options.worst);
+    let sum: f64 = used.iter().map(|x| model.distance_sq(x)).sum();
     PrimitiveFit {
         shape: (),
         elements: elements.placed(&cloud.centre, cloud.scale),
         status: minimum.status,
         rms: (sum / used.len().max(1) as f64).sqrt() * cloud.scale,
-        max: max.sqrt() * cloud.scale,
+        max: low.abs().max(high.abs()),
         iterations: minimum.iterations,
         points: total,
         dropped: total - cloud.points.len(),
         used: used.len(),
+        residuals,
+        form_error: if M::ROWS == 1 { high - low } else { 2.0 * high },
+        worst,
+        redundancy,
+        solutions: outcome.solutions,
+        starts: outcome.starts,
+        miss_probability: outcome.miss,
         conditioning: minimum.conditioning,
         covariance: rows,
     }
-}
-
-/// The start that leads to the lowest sum of squares in a few steps on some of the points.
-fn chosen<const D: usize, M: Model<D>>(starts: Vec<M>, points: &[SVector<f64, D>]) -> Option<M> {
-    let sample = thinned(points, CHOOSERS);
-    let refined = starts.into_iter().map(|model| {
-        let mut found = Minimum {
-            cost: cost(&model, &sample, Worth::Square),
-            model,
-            status: PrimitiveStatus::MaxIterations,
-            iterations: 0,
-            conditioning: 0.0,
-        };
-        approach(&mut found, &sample, Worth::Square, 1e-6, CHOICE_STEPS);
-        found
-    });
-    refined
-        .filter(|found| found.cost.is_finite())
-        .min_by(|a, b| a.cost.total_cmp(&b.cost))
-        .map(|found| found.model)
-}
-
-/// The value below which a share of the squared distances lies.
-fn quantile_sq<const D: usize, M: Model<D>>(model: &M, points: &[SVector<f64, D>], share: f64) -> f64 {
-    let mut squares: Vec<f64> = points.iter().map(|x| model.distance_sq(x)).collect();
-    squares.sort_by(f64::total_cmp);
-    squares[kept(squares.len(), share) - 1]
-}
-
-/// How many of `count` are the given share, at least 1.
-fn kept(count: usize, share: f64) -> usize {
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of the count")]
-    let kept = (count as f64 * share).round() as usize;
-    kept.clamp(1, count)
-}
-
-/// The start with the smallest quantile of the distances, from random subsets of the points: some are free of outliers.
-fn robust_start<const D: usize, M: Model<D>>(
-    points: &[SVector<f64, D>],
-    share: f64,
-    starts: &(impl Fn(&[SVector<f64, D>]) -> Vec<M> + Sync),
-) -> Option<M> {
-    let sample = thinned(points, CHOOSERS);
-    let size = M::UNKNOWNS + 3;
-    let candidate = |k: u64| -> Option<(f64, M)> {
-        let subset: Vec<_> = if k == 0 {
-            sample.clone()
-        } else {
-            // Weyl sequence of the golden ratio: as good as random numbers here, and the same everywhere.
-            let mut state = k.wrapping_mul(0x9e37_79b9_7f4a_7c15);
-            let mut next = || {
-                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                let index = (state >> 33) as usize % sample.len();
-                sample[index]
-            };
-            (0..size).map(|_| next()).collect()
-        };
-        let model = chosen(starts(&subset), &subset)?;
-        let score = quantile_sq(&model, &sample, share);
-        score.is_finite().then_some((score, model))
-    };
-    #[expect(clippy::cast_possible_truncation, reason = "a small number")]
-    let found = crate::parallel::tasks(SUBSETS as usize, |k| candidate(k as u64));
-    found.into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, model)| model)
-}
-
-/// Least squares over the nearest share of the points, until the same ones are nearest again.
-fn trimmed<const D: usize, M: Model<D>>(
-    start: M,
-    points: &[SVector<f64, D>],
-    share: f64,
-    limit: usize,
-) -> (Minimum<M>, Vec<SVector<f64, D>>) {
-    let count = kept(points.len(), share).max(M::UNKNOWNS.div_ceil(M::ROWS)).min(points.len());
-    let nearest = |model: &M| {
-        let mut order: Vec<(f64, usize)> =
-            points.iter().enumerate().map(|(i, x)| (model.distance_sq(x), i)).collect();
-        order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let mut indices: Vec<usize> = order[..count].iter().map(|(_, i)| *i).collect();
-        indices.sort_unstable();
-        indices
-    };
-    let mut indices = nearest(&start);
-    let mut used: Vec<_> = indices.iter().map(|&i| points[i]).collect();
-    let mut minimum = minimise(start, &used, Worth::Square, limit);
-    for _ in 0..ROUNDS {
-        let next = nearest(&minimum.model);
-        if next == indices {
-            break;
-        }
-        indices = next;
-        used = indices.iter().map(|&i| points[i]).collect();
-        let before = minimum.iterations;
-        minimum = minimise(minimum.model, &used, Worth::Square, limit);
-        minimum.iterations += before;
-    }
-    (minimum, used)
-}
-
-/// Tukey's biweight, its scale found together with the shape unless it is given.
-fn tukey<const D: usize, M: Model<D>>(
-    start: M,
-    points: &[SVector<f64, D>],
-    scale: Option<f64>,
-    limit: usize,
-) -> (Minimum<M>, Worth) {
-    // Not below what rounding leaves of points on the shape.
-    let scale_at = |model: &M| {
-        scale.unwrap_or_else(|| (4.685 * PER_MEDIAN * quantile_sq(model, points, 0.5).sqrt()).max(1e-12))
-    };
-    let mut current = scale_at(&start);
-    let mut minimum = minimise(start, points, Worth::Tukey(current), limit);
-    for _ in 0..ROUNDS {
-        let next = scale_at(&minimum.model);
-        if (next - current).abs() <= 1e-3 * current {
-            break;
-        }
-        current = next;
-        let before = minimum.iterations;
-        minimum = minimise(minimum.model, points, Worth::Tukey(current), limit);
-        minimum.iterations += before;
-    }
-    (minimum, Worth::Tukey(current))
 }

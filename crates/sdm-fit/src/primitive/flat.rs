@@ -2,6 +2,8 @@
 
 use super::elements::{Elements, upright};
 use super::model::{Model, Row, Step, normal_to, orthonormal};
+use super::random::Random;
+use super::start;
 use nalgebra::{SVector, Vector3};
 
 /// A line in the plane or in space.
@@ -38,6 +40,15 @@ impl<const D: usize> LineModel<D> {
 impl<const D: usize> Model<D> for LineModel<D> {
     const UNKNOWNS: usize = 2 * (D - 1);
     const ROWS: usize = D - 1;
+    const SEVERAL: bool = false;
+
+    fn starts(points: &[SVector<f64, D>]) -> Vec<Self> {
+        start::line(points)
+    }
+
+    fn from_few(points: &[SVector<f64, D>], _: &mut Random, _: usize) -> Vec<Self> {
+        start::line(points)
+    }
 
     fn residuals(&self, x: &SVector<f64, D>) -> [f64; 2] {
         let d = x - self.point;
@@ -84,6 +95,14 @@ impl<const D: usize> Model<D> for LineModel<D> {
             half_angle: None,
         }
     }
+
+    fn outside(&self) -> f64 {
+        // On the left of the direction that is reported.
+        let direction = upright(self.direction);
+        let left =
+            if D == 2 { direction[0] * self.normals[0][1] - direction[1] * self.normals[0][0] } else { 1.0 };
+        left.signum()
+    }
 }
 
 /// A plane in space.
@@ -104,6 +123,15 @@ impl PlaneModel {
 impl Model<3> for PlaneModel {
     const UNKNOWNS: usize = 3;
     const ROWS: usize = 1;
+    const SEVERAL: bool = false;
+
+    fn starts(points: &[Vector3<f64>]) -> Vec<Self> {
+        start::plane(points)
+    }
+
+    fn from_few(points: &[Vector3<f64>], _: &mut Random, _: usize) -> Vec<Self> {
+        start::plane(points)
+    }
 
     fn residuals(&self, x: &Vector3<f64>) -> [f64; 2] {
         [(x - self.point).dot(&self.normal), 0.0]
@@ -133,5 +161,9 @@ impl Model<3> for PlaneModel {
             minor_radius: None,
             half_angle: None,
         }
+    }
+
+    fn outside(&self) -> f64 {
+        self.normal.dot(&upright(self.normal)).signum()
     }
 }

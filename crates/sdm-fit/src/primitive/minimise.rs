@@ -11,6 +11,11 @@ const UNDETERMINED: f64 = 1e-12;
 /// How far a step may move the shape at the end, in units of the size of the cloud.
 const SETTLED: f64 = 1e-10;
 
+/// Share of the sum of squares that one more step may be expected to gain.
+const GAIN: f64 = 1e-10;
+/// Mean squared distance, in units of the size of the cloud, that is rounding.
+const ROUNDING_SQ: f64 = 1e-28;
+
 /// A minimum, or how far the search came.
 #[derive(Clone, Debug)]
 pub(super) struct Minimum<M> {
@@ -97,6 +102,10 @@ pub(super) fn minimise<const D: usize, M: Model<D>>(
             found.status = PrimitiveStatus::Converged;
             return found;
         }
+        if is_exact(found.cost, points.len()) {
+            found.status = PrimitiveStatus::Converged;
+            return found;
+        }
         if !arrived {
             return found;
         }
@@ -105,8 +114,13 @@ pub(super) fn minimise<const D: usize, M: Model<D>>(
     found
 }
 
+/// Whether nothing but rounding is left of the distances, so that there is nothing to lower.
+fn is_exact(cost: f64, points: usize) -> bool {
+    cost <= ROUNDING_SQ * points as f64
+}
+
 /// Levenberg and Marquardt until a full step moves the shape by less than `settled`. False if steps run out.
-pub(super) fn approach<const D: usize, M: Model<D>>(
+fn approach<const D: usize, M: Model<D>>(
     found: &mut Minimum<M>,
     points: &[SVector<f64, D>],
     worth: Worth,
@@ -154,7 +168,9 @@ fn hessian<const D: usize, M: Model<D>>(
     lengths: &DVector<f64>,
 ) -> Option<DMatrix<f64>> {
     let n = M::UNKNOWNS;
-    let h = 1e-5 * (points.len() as f64).sqrt();
+    // Well within the scale of the loss.
+    let width = if let Worth::Tukey(scale) = worth { (0.01 * scale).min(1e-5) } else { 1e-5 };
+    let h = width * (points.len() as f64).sqrt();
     let mut matrix = DMatrix::zeros(n, n);
     for k in 0..n {
         let mut step = [0.0; MAX_UNKNOWNS];
@@ -178,7 +194,7 @@ fn finish<const D: usize, M: Model<D>>(
 ) -> bool {
     let root = (points.len() as f64).sqrt();
     let mut model = found.model.clone();
-    let mut last = f64::INFINITY;
+    let (mut last, mut gain) = (f64::INFINITY, f64::INFINITY);
     let mut steps = 0;
     'again: for _ in 0..6 {
         let linear = Linear::new(&factor(&model, points, worth));
@@ -188,6 +204,7 @@ fn finish<const D: usize, M: Model<D>>(
             let slope = gradient(&model, points, worth).component_div(&linear.lengths);
             let step = -cholesky.solve(&slope);
             let motion = step.norm() / root;
+            gain = slope.dot(&step).abs();
             if !motion.is_finite() || (motion > last && last > SETTLED) {
                 return false;
             }
@@ -205,7 +222,8 @@ fn finish<const D: usize, M: Model<D>>(
         }
     }
     let value = cost(&model, points, worth);
-    if last > SETTLED || value > found.cost * (1.0 + 1e-9) + 1e-28 * points.len() as f64 {
+    let rounding = ROUNDING_SQ * points.len() as f64;
+    if last > SETTLED || gain > GAIN * value + rounding || value > found.cost * (1.0 + 1e-9) + rounding {
         return false;
     }
     let linear = Linear::new(&factor(&model, points, worth));

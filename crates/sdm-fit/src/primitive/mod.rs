@@ -17,16 +17,22 @@
 //! # Ok::<(), sdm_fit::Error>(())
 //! ```
 
+mod apart;
+mod descend;
 mod elements;
 mod fit;
 mod flat;
 mod minimise;
 mod model;
 mod options;
+mod random;
+mod robust;
 mod round;
+mod search;
 mod shapes;
 pub(crate) mod start;
 mod sums;
+mod torus;
 mod turned;
 
 pub use elements::{Elements, PrimitiveFit};

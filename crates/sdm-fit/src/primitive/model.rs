@@ -1,6 +1,7 @@
 //! What the minimisation asks of a shape.
 
 use super::Elements;
+use super::random::Random;
 use nalgebra::{Rotation3, SVector, Vector3};
 
 /// Most unknowns of a shape (those of the torus).
@@ -26,6 +27,16 @@ pub(super) trait Model<const D: usize>: Clone + Send + Sync {
     const UNKNOWNS: usize;
     /// Number of components: the codimension of the shape.
     const ROWS: usize;
+    /// Whether sums of squares have several minima as a rule.
+    const SEVERAL: bool;
+    /// Random starts where there are few minima.
+    const RANDOM_STARTS: usize = 0;
+
+    /// Starts that the points suggest, good ones for points near a shape; none if they leave it open.
+    fn starts(points: &[SVector<f64, D>]) -> Vec<Self>;
+
+    /// Up to about `count` shapes near as many points as there are unknowns.
+    fn from_few(points: &[SVector<f64, D>], random: &mut Random, count: usize) -> Vec<Self>;
 
     /// Components of the shortest vector from the shape to `x`, of square sum `d²`. Those beyond [`Self::ROWS`] are 0.
     fn residuals(&self, x: &SVector<f64, D>) -> [f64; 2];
@@ -38,6 +49,21 @@ pub(super) trait Model<const D: usize>: Clone + Send + Sync {
 
     /// Location, direction and sizes, the location as near to `centre` as the shape leaves it open.
     fn elements(&self, centre: &SVector<f64, D>) -> Elements<D>;
+
+    /// Whether it is a shape of the kind asked for; the search may pass through others.
+    fn is_proper(&self) -> bool {
+        true
+    }
+
+    /// A shape of the kind asked for near this one.
+    fn made_proper(self) -> Option<Self> {
+        self.is_proper().then_some(self)
+    }
+
+    /// 1 if residuals of shapes with two sides are positive outside (above, on the left), else −1.
+    fn outside(&self) -> f64 {
+        1.0
+    }
 
     /// `d²`.
     fn distance_sq(&self, x: &SVector<f64, D>) -> f64 {

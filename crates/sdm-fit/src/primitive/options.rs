@@ -31,11 +31,13 @@ pub struct PrimitiveOptions {
     pub max_iterations: usize,
     /// Whether the covariance of the result is computed; default not.
     pub covariance: bool,
+    /// How many of the points furthest from the shape are listed; default 10.
+    pub worst: usize,
 }
 
 impl Default for PrimitiveOptions {
     fn default() -> Self {
-        Self { outliers: PrimitiveOutliers::None, max_iterations: 200, covariance: false }
+        Self { outliers: PrimitiveOutliers::None, max_iterations: 200, covariance: false, worst: 10 }
     }
 }
 
@@ -58,6 +60,12 @@ impl PrimitiveOptions {
         Self { covariance, ..self }
     }
 
+    /// The same options with another number of points furthest from the shape that are listed.
+    #[must_use]
+    pub fn with_worst(self, worst: usize) -> Self {
+        Self { worst, ..self }
+    }
+
     /// Checks every number.
     pub(super) fn check(&self) -> Result<(), Error> {
         match self.outliers {
@@ -77,7 +85,8 @@ impl PrimitiveOptions {
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
 #[non_exhaustive]
 pub enum PrimitiveStatus {
-    /// The shape is a minimum as far as numbers can tell.
+    /// The shape is a minimum as far as numbers can tell, the lowest of all that were found, and a lower one is unlikely
+    /// ([`PrimitiveFit::miss_probability`](super::PrimitiveFit::miss_probability)).
     Converged,
     /// No step lowers the sum of squares, although the gradient is not yet zero.
     Stalled,
@@ -85,6 +94,17 @@ pub enum PrimitiveStatus {
     MaxIterations,
     /// The points leave the shape open (all on one circle for a sphere, say): one of many is given.
     Undetermined,
+    /// A minimum, but other shapes fit as well, or the points are no more than the shape has unknowns, so that several go
+    /// through all of them: the measured one need not be among those found
+    /// ([`PrimitiveFit::solutions`](super::PrimitiveFit::solutions)).
+    Ambiguous,
+    /// The sum of squares falls towards shapes that are not of this kind (a torus whose tube meets the axis, or one as good as a
+    /// cylinder, cone or plane; a circle as straight as a line): the shape given is the best that was found on this side.
+    OnBoundary,
+    /// A minimum that may not be the one looked for: a lower one was missed with a chance above 1 in 20, or outliers were to be
+    /// told apart and hardly a point was left out of a shape that the points do not lie close to, or those left out lie no less
+    /// densely along it than those that count.
+    Doubtful,
 }
 
 impl PrimitiveStatus {
@@ -96,6 +116,9 @@ impl PrimitiveStatus {
             Self::Stalled => "stalled",
             Self::MaxIterations => "max_iterations",
             Self::Undetermined => "undetermined",
+            Self::Ambiguous => "ambiguous",
+            Self::OnBoundary => "on_boundary",
+            Self::Doubtful => "doubtful",
         }
     }
 }

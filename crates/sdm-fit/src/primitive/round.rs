@@ -2,6 +2,8 @@
 
 use super::elements::{Elements, upright};
 use super::model::{Model, Pose, Row, Step, orthonormal, turning};
+use super::random::Random;
+use super::start;
 use nalgebra::{SVector, Vector3};
 
 /// A circle in the plane or a sphere in space.
@@ -49,6 +51,16 @@ fn straightened<const D: usize>(
 impl<const D: usize> Model<D> for BallModel<D> {
     const UNKNOWNS: usize = D + 1;
     const ROWS: usize = 1;
+    const SEVERAL: bool = false;
+    const RANDOM_STARTS: usize = 8;
+
+    fn starts(points: &[SVector<f64, D>]) -> Vec<Self> {
+        start::ball(points)
+    }
+
+    fn from_few(points: &[SVector<f64, D>], _: &mut Random, _: usize) -> Vec<Self> {
+        start::ball(points)
+    }
 
     fn residuals(&self, x: &SVector<f64, D>) -> [f64; 2] {
         [(x - self.centre).norm() - 1.0 / self.curvature, 0.0]
@@ -111,6 +123,16 @@ impl CircleModel {
 impl Model<3> for CircleModel {
     const UNKNOWNS: usize = 6;
     const ROWS: usize = 2;
+    const SEVERAL: bool = false;
+    const RANDOM_STARTS: usize = 8;
+
+    fn starts(points: &[Vector3<f64>]) -> Vec<Self> {
+        start::circle(points)
+    }
+
+    fn from_few(points: &[Vector3<f64>], _: &mut Random, _: usize) -> Vec<Self> {
+        start::circle(points)
+    }
 
     fn residuals(&self, x: &Vector3<f64>) -> [f64; 2] {
         let (_, distance, height) = self.pose.cylindrical(x);

@@ -1,8 +1,12 @@
 //! The public functions, one for each shape.
 
+use super::PrimitiveOptions;
 use super::elements::PrimitiveFit;
 use super::fit::{Found, fit};
-use super::{PrimitiveOptions, start};
+use super::flat::{LineModel, PlaneModel};
+use super::round::{BallModel, CircleModel};
+use super::torus::TorusModel;
+use super::turned::ConeModel;
 use crate::Error;
 use nalgebra::{SVector, Vector2, Vector3};
 use nurbs_core::{Circle, Cone, Cylinder, Frame, Interval, Line, Plane, Sphere, Torus};
@@ -20,12 +24,12 @@ pub fn fit_line<const D: usize>(
     if !(2..=3).contains(&D) {
         return Err(Error::Option { name: "dimension", value: D as f64, allowed: "2 or 3" });
     }
-    let found = fit(points, options, "a line", 1, start::line)?;
+    let found = fit::<D, LineModel<D>>(points, options, "a line", 1)?;
     let (point, direction) = (found.model.point, found.model.direction);
     let [low, high] = found.extent(|x| (x - point).dot(&direction));
     let [low, high] = [low, high].map(|h| found.place(&(point + direction * h)));
     let line = Line::new(low, high)?;
-    Ok(found.with_shape(line))
+    Ok(found.fit.with_shape(line))
 }
 
 /// The plane with the least sum of squared distances.
@@ -36,7 +40,7 @@ pub fn fit_plane(
     points: &[Vector3<f64>],
     options: &PrimitiveOptions,
 ) -> Result<PrimitiveFit<Plane, 3>, Error> {
-    let found = fit(points, options, "a plane", 2, start::plane)?;
+    let found = fit::<_, PlaneModel>(points, options, "a plane", 2)?;
     let frame = Frame::new(found.fit.elements.location, found.model.normal, found.model.e)?;
     let scale = found.cloud.scale;
     let middle = (frame.origin() - found.cloud.centre) / scale;
@@ -45,7 +49,7 @@ pub fn fit_plane(
         Interval::new(low * scale, high * scale)
     };
     let plane = Plane::new(frame, side(frame.x())?, side(frame.y())?);
-    Ok(found.with_shape(plane))
+    Ok(found.fit.with_shape(plane))
 }
 
 /// The circle with the least sum of squared distances from points in the plane.
@@ -56,10 +60,10 @@ pub fn fit_circle(
     points: &[Vector2<f64>],
     options: &PrimitiveOptions,
 ) -> Result<PrimitiveFit<Circle<2>, 2>, Error> {
-    let found = fit(points, options, "a circle", 2, start::ball)?;
+    let found = fit::<_, BallModel<2>>(points, options, "a circle", 2)?;
     let radius = found.cloud.scale / found.model.curvature;
     let circle = Circle::new(found.fit.elements.location, radius)?;
-    Ok(found.with_shape(circle))
+    Ok(found.fit.with_shape(circle))
 }
 
 /// The circle in space with the least sum of squared distances.
@@ -70,10 +74,10 @@ pub fn fit_circle_in_space(
     points: &[Vector3<f64>],
     options: &PrimitiveOptions,
 ) -> Result<PrimitiveFit<Circle<3>, 3>, Error> {
-    let found = fit(points, options, "a circle", 2, start::circle)?;
+    let found = fit::<_, CircleModel>(points, options, "a circle", 2)?;
     let frame = Frame::new(found.fit.elements.location, found.model.pose.z, found.model.pose.e)?;
     let circle = Circle::in_frame(&frame, found.cloud.scale / found.model.curvature)?;
-    Ok(found.with_shape(circle))
+    Ok(found.fit.with_shape(circle))
 }
 
 /// The sphere with the least sum of squared distances.
@@ -84,10 +88,10 @@ pub fn fit_sphere(
     points: &[Vector3<f64>],
     options: &PrimitiveOptions,
 ) -> Result<PrimitiveFit<Sphere, 3>, Error> {
-    let found = fit(points, options, "a sphere", 3, start::ball)?;
+    let found = fit::<_, BallModel<3>>(points, options, "a sphere", 3)?;
     let frame = Frame::from_axis(found.fit.elements.location, Vector3::z())?;
     let sphere = Sphere::new(frame, found.cloud.scale / found.model.curvature)?;
-    Ok(found.with_shape(sphere))
+    Ok(found.fit.with_shape(sphere))
 }
 
 /// The cylinder with the least sum of squared distances, as high as the points reach.
@@ -98,11 +102,11 @@ pub fn fit_cylinder(
     points: &[Vector3<f64>],
     options: &PrimitiveOptions,
 ) -> Result<PrimitiveFit<Cylinder, 3>, Error> {
-    let found = fit(points, options, "a cylinder", 3, start::cylinder)?;
+    let found = fit::<_, ConeModel<false>>(points, options, "a cylinder", 3)?;
     let (frame, heights) = along_axis(&found, found.model.pose.z, found.model.pose.e)?;
     let heights = Interval::new(heights[0], heights[1])?;
     let cylinder = Cylinder::new(frame, found.cloud.scale / found.model.curvature, heights)?;
-    Ok(found.with_shape(cylinder))
+    Ok(found.fit.with_shape(cylinder))
 }
 
 /// The cone with the least sum of squared distances, as high as the points reach but not beyond its apex.
@@ -112,7 +116,7 @@ pub fn fit_cylinder(
 /// # Errors
 /// As [`fit_line`]; [`Error::Degenerate`] for points on a plane.
 pub fn fit_cone(points: &[Vector3<f64>], options: &PrimitiveOptions) -> Result<PrimitiveFit<Cone, 3>, Error> {
-    let found = fit(points, options, "a cone", 3, start::cone)?;
+    let found = fit::<_, ConeModel<true>>(points, options, "a cone", 3)?;
     let elements = found.fit.elements;
     let (Some(direction), Some(radius), Some(angle)) =
         (elements.direction, elements.radius, elements.half_angle)
@@ -125,7 +129,7 @@ pub fn fit_cone(points: &[Vector3<f64>], options: &PrimitiveOptions) -> Result<P
     let base = Frame::new(frame.origin() + frame.z() * low, frame.z(), frame.x())?;
     let radii = [low, high].map(|h| (radius + h * slope).max(0.0));
     let cone = Cone::new(base, radii[0], radii[1], high - low)?;
-    Ok(found.with_shape(cone))
+    Ok(found.fit.with_shape(cone))
 }
 
 /// The torus with the least sum of squared distances, among those whose tube does not meet the axis.
@@ -136,11 +140,14 @@ pub fn fit_torus(
     points: &[Vector3<f64>],
     options: &PrimitiveOptions,
 ) -> Result<PrimitiveFit<Torus, 3>, Error> {
-    let found = fit(points, options, "a torus", 3, start::torus)?;
-    let frame = Frame::new(found.fit.elements.location, found.model.pose.z, found.model.pose.e)?;
-    let scale = found.cloud.scale;
-    let torus = Torus::new(frame, found.model.major * scale, found.model.minor * scale)?;
-    Ok(found.with_shape(torus))
+    let found = fit::<_, TorusModel>(points, options, "a torus", 3)?;
+    let elements = found.fit.elements;
+    let (Some(z), Some(major), Some(minor)) = (elements.direction, elements.radius, elements.minor_radius)
+    else {
+        return Err(Error::Degenerate { shape: "a torus", what: "on a plane" });
+    };
+    let torus = Torus::new(Frame::from_axis(elements.location, z)?, major, minor)?;
+    Ok(found.fit.with_shape(torus))
 }
 
 /// The frame of an axis at the location of the shape, and the heights between which the points lie.

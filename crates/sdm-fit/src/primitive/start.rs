@@ -2,8 +2,10 @@
 
 use super::flat::{LineModel, PlaneModel};
 pub(crate) use super::model::normal_to;
+use super::random::Random;
 use super::round::{BallModel, CircleModel};
-use super::turned::{ConeModel, CylinderModel, TorusModel};
+use super::torus::TorusModel;
+use super::turned::ConeModel;
 use mesh_core::{NormalOptions, Orientation, estimate_normals};
 use nalgebra::{DMatrix, DVector, Matrix3, Point3, SVector, Vector2, Vector3};
 
@@ -12,6 +14,9 @@ const DIRECTIONS: usize = 400;
 
 /// Number of points that judge a direction.
 const JUDGES: usize = 250;
+
+/// Random axes that few points choose from.
+const TRIES: usize = 24;
 
 /// Curvature, in units of the size of the cloud, below which points lie on a line or a plane.
 const FLAT: f64 = 1e-11;
@@ -192,22 +197,14 @@ fn cost_of<M: super::model::Model<3>>(model: &M, points: &[Vector3<f64>]) -> f64
     points.iter().map(|x| model.distance_sq(x)).sum()
 }
 
-pub(super) fn cylinder(points: &[Vector3<f64>]) -> Vec<CylinderModel> {
-    let judges = thinned(points, JUDGES);
-    let mut models = Vec::new();
-    for z in directions(points, &axes_of_normals(points)) {
-        let (flat, [x, y]) = along(&judges, &z);
-        let Some((centre, radius)) = taubin(&flat) else { continue };
-        if let Some(model) = CylinderModel::new(x * centre.x + y * centre.y, z, radius, 0.0) {
-            models.push((cost_of(&model, &judges), z, model));
-        }
-    }
-    best(models, 10)
-}
-
-/// The cone with a given axis direction by linear least squares of `|x⊥|² = 2 c·x⊥ + α + β h + γ h²`.
-fn cone_along(points: &[Vector3<f64>], z: &Vector3<f64>) -> Vec<ConeModel<true>> {
+/// The cylinder with a given axis direction, or the cones by linear least squares of `|x⊥|² = 2 c·x⊥ + α + β h + γ h²`.
+fn cones_along<const CONE: bool>(points: &[Vector3<f64>], z: &Vector3<f64>) -> Vec<ConeModel<CONE>> {
     let (flat, [x, y]) = along(points, z);
+    if !CONE {
+        let found = taubin(&flat);
+        let model = found.and_then(|(c, radius)| ConeModel::new(x * c.x + y * c.y, *z, radius, 0.0));
+        return model.into_iter().collect();
+    }
     let rows = DMatrix::from_fn(points.len().max(5), 5, |i, j| {
         let Some(p) = points.get(i) else { return 0.0 };
         let h = p.dot(z);
@@ -222,20 +219,49 @@ fn cone_along(points: &[Vector3<f64>], z: &Vector3<f64>) -> Vec<ConeModel<true>>
     slopes.iter().filter_map(|&slope| ConeModel::new(centre, *z, radius, slope)).collect()
 }
 
-pub(super) fn cone(points: &[Vector3<f64>]) -> Vec<ConeModel<true>> {
+pub(super) fn cones<const CONE: bool>(points: &[Vector3<f64>]) -> Vec<ConeModel<CONE>> {
     let judges = thinned(points, JUDGES);
     let mut models = Vec::new();
-    for z in directions(points, &axes_of_normals(points)) {
-        for model in cone_along(&judges, &z) {
-            models.push((cost_of(&model, &judges), z, model));
-        }
+    let list = directions(points, &axes_of_normals(points));
+    for z in &list {
+        models.extend(cones_along(&judges, z).into_iter().map(|m| (cost_of(&m, &judges), *z, m)));
     }
-    // A slender cone is found from a cylinder.
-    let slender = cylinder(points)
-        .into_iter()
-        .take(3)
-        .filter_map(|c| ConeModel::new(c.pose.point, c.pose.z, 1.0 / c.curvature, 0.01));
-    best(models, 10).into_iter().chain(slender).collect()
+    let mut found = best(models, 10);
+    if CONE {
+        // A slender cone is found from a cylinder.
+        let straight =
+            |z| cones_along::<false>(&judges, z).into_iter().map(|m| (cost_of(&m, &judges), *z, m));
+        let cylinders = best(list.iter().flat_map(straight).collect(), 10).into_iter().take(3);
+        found.extend(
+            cylinders.filter_map(|c| ConeModel::new(c.pose.point, c.pose.z, 1.0 / c.curvature, 0.01)),
+        );
+    }
+    found
+}
+
+/// The best of random axes through few points.
+pub(super) fn cone_from_few<const CONE: bool>(
+    points: &[Vector3<f64>],
+    random: &mut Random,
+    count: usize,
+) -> Vec<ConeModel<CONE>> {
+    let mut models = Vec::new();
+    for _ in 0..TRIES {
+        let z = random.direction();
+        models.extend(cones_along(points, &z).into_iter().map(|m| (cost_of(&m, points), z, m)));
+    }
+    best(models, count)
+}
+
+/// The best of random axes near few points.
+pub(super) fn torus_from_few(points: &[Vector3<f64>], random: &mut Random, count: usize) -> Vec<TorusModel> {
+    let mut models = Vec::new();
+    for _ in 0..TRIES {
+        let z = random.direction();
+        let axis = mean(points) + random.direction() * (2.0 * random.centred());
+        models.extend(torus_around(points, axis, &z).map(|m| (cost_of(&m, points), z, m)));
+    }
+    best(models, count)
 }
 
 /// The torus around an axis: a circle through the points turned into one half plane.
@@ -249,7 +275,7 @@ fn torus_around(points: &[Vector3<f64>], axis: Vector3<f64>, z: &Vector3<f64>) -
         })
         .collect();
     let (centre, radius) = taubin(&profile)?;
-    TorusModel::new(axis + z * centre.y, *z, centre.x, radius.min(0.99 * centre.x))
+    TorusModel::new(axis + z * centre.y, *z, centre.x, radius)
 }
 
 pub(super) fn torus(points: &[Vector3<f64>]) -> Vec<TorusModel> {

@@ -15,7 +15,7 @@ pub(super) enum Worth {
 
 impl Worth {
     /// Loss and weight (its derivative by `d²`).
-    fn of(self, distance_sq: f64) -> (f64, f64) {
+    pub(super) fn of(self, distance_sq: f64) -> (f64, f64) {
         match self {
             Self::Square => (distance_sq, 1.0),
             Self::Tukey(scale) => {

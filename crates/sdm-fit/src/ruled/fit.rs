@@ -22,15 +22,18 @@ pub struct RuledOptions {
     /// [`ActiveRuled::with_abs_twist`]; default 0, no penalty.
     pub abs_twist: f64,
     /// The loop; the default takes second derivatives as energy, whose factor falls from 0.01 to a trifle that places rulings
-    /// where there are no data, and fairs parameter lines.
+    /// where there are no data, fairs parameter lines, and stops after three iterations that change the cost by less than 0.01 %.
     pub fit: FitOptions,
 }
 
 impl Default for RuledOptions {
     fn default() -> Self {
         let smoothing = Smoothing::Continuation { start: 1e-2, factor: 0.5, floor: 1e-8 };
-        let fit =
-            FitOptions::default().with_energy([0.0, 1.0, 0.0]).with_smoothing(smoothing).with_fairing(1e-4);
+        let fit = FitOptions::default()
+            .with_energy([0.0, 1.0, 0.0])
+            .with_smoothing(smoothing)
+            .with_fairing(1e-4)
+            .with_cost_tolerance(1e-4);
         Self { section_normal: None, fixed_ends: false, abs_twist: 0.0, fit }
     }
 }
@@ -68,6 +71,7 @@ pub struct RuledReport {
     /// The loop.
     pub fit: FitReport,
     /// Control points along a section that are not repetitions, and sections.
+    #[cfg_attr(feature = "serde", serde(rename = "control_points"))]
     pub controls: [usize; 2],
     /// How far the result is from being developable.
     pub developability: Developability,

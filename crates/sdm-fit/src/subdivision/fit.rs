@@ -21,14 +21,13 @@ pub struct SubdivisionFit {
 }
 
 /// Options of the loop for subdivision surfaces: second derivatives as energy whose factor falls from 0.01 to a trifle, parameter
-/// lines faired, 40 iterations.
+/// lines faired.
 #[must_use]
 pub fn subdivision_options() -> FitOptions {
     FitOptions::default()
         .with_energy([0.0, 1.0, 0.0])
         .with_smoothing(Smoothing::Continuation { start: 1e-2, factor: 0.5, floor: 1e-8 })
         .with_fairing(1e-5)
-        .with_max_iterations(40)
         .with_cost_tolerance(1e-4)
 }
 

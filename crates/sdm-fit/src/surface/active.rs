@@ -85,7 +85,8 @@ impl ActiveSurface {
             let mut columns = cells.columns(cell).to_vec();
             columns.sort_unstable();
             let at_pole = columns.windows(2).any(|pair| pair[0] == pair[1]);
-            area.least.clamp(if at_pole { 1e-3 * usual } else { NARROW * usual }, usual)
+            // Not `clamp`, which panics where an area is not a number.
+            area.least.max(if at_pole { 1e-3 * usual } else { NARROW * usual }).min(usual)
         };
         let references = areas.iter().enumerate().map(reference).collect();
         let stiffness = vec![1.0; areas.len()];

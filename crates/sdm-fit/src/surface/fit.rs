@@ -39,7 +39,7 @@ pub struct SurfaceOptions {
     pub rational: bool,
     /// How often the loop goes on with more fairing around cells that are folded; default 6.
     pub unfoldings: usize,
-    /// The loop; the default takes second derivatives as energy, fairs parameter lines, damps steps a little, and stops after 30
+    /// The loop; the default takes second derivatives as energy, fairs parameter lines, damps steps a little, and stops after 100
     /// iterations or three that change the mean squared distance by less than 0.2 %.
     pub fit: FitOptions,
 }
@@ -57,7 +57,6 @@ impl Default for SurfaceOptions {
             unfoldings: 6,
             fit: FitOptions::default()
                 .with_energy([0.0, 1.0, 0.0])
-                .with_max_iterations(30)
                 .with_tolerance(1e-6)
                 .with_cost_tolerance(2e-3)
                 .with_fairing(FAIRING)
@@ -121,6 +120,7 @@ pub struct SurfaceReport {
     /// What gave the first parameters; `None` for a start that was given.
     pub base: Option<BaseShape>,
     /// Control points in u and v that are not repetitions.
+    #[cfg_attr(feature = "serde", serde(rename = "control_points"))]
     pub controls: [usize; 2],
     /// Runs of the loop, one for each knot refinement and one to begin with.
     pub runs: usize,
@@ -131,6 +131,7 @@ pub struct SurfaceReport {
     /// Cells in which the surface folds back on itself.
     pub folds: Folds,
     /// Points left out because they are not finite.
+    #[cfg_attr(feature = "serde", serde(rename = "points_dropped"))]
     pub dropped: usize,
 }
 

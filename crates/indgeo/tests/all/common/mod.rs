@@ -2,6 +2,7 @@
 
 #![allow(dead_code, clippy::unwrap_used, reason = "not every test uses everything")]
 
+pub(crate) mod inputs;
 pub(crate) mod schema;
 
 use serde_json::Value;
@@ -79,10 +80,51 @@ impl Bench {
         // A program that does not read it has closed the pipe by now.
         let _ = child.stdin.take().unwrap().write_all(input);
         let output = child.wait_with_output().unwrap();
-        Run {
+        let run = Run {
             code: output.status.code().unwrap(),
             stdout: String::from_utf8(output.stdout).unwrap(),
             stderr: String::from_utf8(output.stderr).unwrap(),
+        };
+        self.check_reports(arguments, &run);
+        run
+    }
+
+    /// Every report that was asked for must be as its schema says.
+    fn check_reports(&self, arguments: &str, run: &Run) {
+        let mut words = arguments.split_whitespace();
+        while let Some(word) = words.next() {
+            let file = match word.strip_prefix("--json=") {
+                Some(file) => file,
+                None if word == "--json" => words.next().unwrap_or_default(),
+                None => continue,
+            };
+            let text = match file {
+                "-" => run.stdout.clone(),
+                file => fs::read_to_string(self.path(file)).unwrap_or_default(),
+            };
+            // Without a command line that was understood there is no report.
+            match serde_json::from_str::<Value>(&text) {
+                Ok(report) if report.get("command").is_some() => self.check_report(&report, run.code),
+                _ => assert_eq!(run.code, 2, "no report of `{arguments}`: {}", run.stderr),
+            }
+        }
+    }
+
+    /// The report of a command that ended with this exit status must be as its schema says.
+    pub(crate) fn check_report(&self, report: &Value, code: i32) {
+        let command = report["command"].as_str().unwrap();
+        assert_eq!(schema::violations(&schema::of(command), report), Vec::<String>::new(), "{command}");
+        assert_eq!(report["exit_code"], code, "{command}");
+        let expected = match report["status"].as_str().unwrap() {
+            "done" => 0,
+            "error" => 2,
+            "cancelled" => 130,
+            _ => 1,
+        };
+        assert_eq!(code, expected, "{command}: {}", report["status"]);
+        for input in report["inputs"].as_array().unwrap() {
+            let count = |name: &str| input[name].as_u64().unwrap();
+            assert!(count("points_dropped") + count("points_used") <= count("points_read"), "{input}");
         }
     }
 }

@@ -3,6 +3,18 @@
 #![allow(clippy::panic, reason = "a test may panic")]
 
 use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+/// The published schema of the report of a command.
+pub(crate) fn of(command: &str) -> Value {
+    let path = folder().join(format!("{command}.schema.json"));
+    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+/// Where the schemas are.
+pub(crate) fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/schema")
+}
 
 /// Everything that is wrong with `value`, each with its path. Keywords that are not known here are wrong too.
 pub(crate) fn violations(schema: &Value, value: &Value) -> Vec<String> {

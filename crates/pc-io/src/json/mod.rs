@@ -1,7 +1,10 @@
 //! NURBS JSON, both ways.
 //!
 //! A file holds one curve, one surface, or `{"kind":"model","shapes":[…]}`; see [`nurbs_core`] for the fields of a
-//! shape. Each may have a `name`. Fields that are not known are passed over.
+//! shape, and `docs/nurbs-json.md`. Each may have a `name`. Fields that are not known are passed over. Files of geomdl
+//! are read as well.
+
+mod geomdl;
 
 use std::io::{self, Write};
 
@@ -10,17 +13,18 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 
-use crate::Error;
 use crate::error::Place;
 use crate::model::{Model, Shape};
+use crate::parsed::Parsed;
 use crate::source::Source;
+use crate::{Error, Format};
 
 const EXPORT: &str = "correct the file or export it again";
 
 /// What has to be known before the fields of a shape can be read.
 #[derive(Deserialize)]
 struct Head<'a> {
-    kind: String,
+    kind: Option<String>,
     name: Option<String>,
     dim: Option<usize>,
     #[serde(borrow)]
@@ -30,25 +34,29 @@ struct Head<'a> {
 }
 
 /// Reads a model.
-pub(crate) fn read(source: Source<'_>) -> Result<Model, Error> {
+pub(crate) fn read(source: Source<'_>) -> Result<Parsed, Error> {
     let text = std::str::from_utf8(source.data).map_err(|error| {
         Error::malformed(Place::Byte(error.valid_up_to()), "the text is not UTF-8, as JSON has to be", EXPORT)
     })?;
     let part = Part { source, text, offset: 0, shape: None };
+    let mut warnings = Vec::new();
     let head = part.parse_head()?;
     let mut model = Model::default();
-    if head.kind != "model" {
-        part.read_shape(head, &mut model)?;
-        return Ok(model);
+    match head.kind.as_deref() {
+        None => match geomdl::read(&part, &mut warnings)? {
+            Some(found) => model = found,
+            None => return Err(geomdl::unknown(&part)),
+        },
+        Some("model") => {
+            let shapes = head.shapes.ok_or_else(|| part.error(0, "a model needs the field \"shapes\""))?;
+            for (index, raw) in shapes.into_iter().enumerate() {
+                let part = part.within(raw, Some(index));
+                part.read_shape(part.parse_head()?, &mut model)?;
+            }
+        }
+        Some(_) => part.read_shape(head, &mut model)?,
     }
-    let shapes = head.shapes.ok_or_else(|| part.error(0, "a model needs the field \"shapes\""))?;
-    for (index, raw) in shapes.into_iter().enumerate() {
-        // A raw value is a part of the text, not a copy.
-        let offset = raw.get().as_ptr() as usize - text.as_ptr() as usize;
-        let part = Part { source, text: raw.get(), offset, shape: Some(index) };
-        part.read_shape(part.parse_head()?, &mut model)?;
-    }
-    Ok(model)
+    Ok(Parsed::model(Format::Json, model, warnings))
 }
 
 /// A JSON value within the file.
@@ -61,8 +69,19 @@ struct Part<'a> {
 }
 
 impl<'a> Part<'a> {
+    /// A value of this one.
+    fn within<'b>(&self, raw: &'b RawValue, shape: Option<usize>) -> Part<'b>
+    where
+        'a: 'b,
+    {
+        // A raw value is a part of the text, not a copy.
+        let offset = self.offset + (raw.get().as_ptr() as usize - self.text.as_ptr() as usize);
+        Part { source: self.source, text: raw.get(), offset, shape: shape.or(self.shape) }
+    }
+
     fn read_shape(&self, head: Head<'_>, model: &mut Model) -> Result<(), Error> {
-        match head.kind.as_str() {
+        let kind = head.kind.ok_or_else(|| self.error(0, "the field \"kind\" is missing"))?;
+        match kind.as_str() {
             "surface" => model.push(self.parse_owned::<BsplineSurface>()?, head.name),
             "curve" => match head.dim.or_else(|| first_length(head.control_points?)) {
                 Some(2) => model.push(self.parse_owned::<BsplineCurve<2>>()?, head.name),

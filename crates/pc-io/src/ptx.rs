@@ -1,0 +1,185 @@
+//! PTX, the gridded scans of Leica: several in a file, each with the pose of its scanner.
+
+use mesh_core::{Attributes, Colours, PointCloud};
+use nalgebra::{Matrix4, Point3};
+
+use crate::number::{parse, parse_count};
+use crate::parsed::Parsed;
+use crate::source::{Lines, Source, quoted, words};
+use crate::{Error, Format};
+
+const EXPORT: &str = "correct the line or export the file again";
+const TRUNCATED: &str = "the file is truncated or its counts are wrong, export it again";
+/// How far from a rigid motion a matrix may be that is written with few digits.
+const RIGID: f64 = 1e-3;
+
+/// Numbers of the lines of a head after the two counts: position, three axes, and the matrix row by row.
+const HEAD: [usize; 8] = [3, 3, 3, 3, 4, 4, 4, 4];
+
+/// Whether a beginning is that of a scan: two counts, three numbers four times, and four numbers four times.
+pub(crate) fn looks_like(head: &[u8]) -> bool {
+    let mut lines = Lines::new(head).filter(|(_, line)| !line.trim_ascii().is_empty());
+    let mut next = || lines.next().map_or(b"".as_slice(), |(_, line)| line);
+    let counts = (0..2).all(|_| parse_count(next().trim_ascii()).is_some());
+    counts && HEAD.into_iter().all(|length| numbers(next()).is_some_and(|numbers| numbers.len() == length))
+}
+
+fn numbers(line: &[u8]) -> Option<Vec<f64>> {
+    words(line).take(9).map(parse).collect()
+}
+
+/// Points of all scans so far.
+#[derive(Default)]
+struct Points {
+    positions: Vec<Point3<f64>>,
+    intensities: Vec<f64>,
+    colours: Vec<[u8; 3]>,
+    scans: Vec<f64>,
+    /// Places of the grids in which nothing was measured.
+    missing: usize,
+    /// Numbers per line, from the first point on.
+    width: Option<usize>,
+}
+
+/// Reads the points of all scans, moved by their poses; which scan a point belongs to is a scalar where there are several.
+/// Lines 0 0 0 stand for pulses without an answer and are left out.
+pub(crate) fn read(source: Source<'_>) -> Result<Parsed, Error> {
+    let mut lines = source.lines_from(0);
+    let mut points = Points::default();
+    let mut warnings = Vec::new();
+    let mut scan = 0u32;
+    while let Some((at, line)) = lines.find(|(_, line)| !line.trim_ascii().is_empty()) {
+        let head = Head::read(source, (at, line), &mut lines)?;
+        if !head.is_rigid() {
+            warnings.push(format!(
+                "the matrix of scan {} (line {}) is no rigid motion; it was applied as it is",
+                scan + 1,
+                source.line_at(at)
+            ));
+        }
+        points.read_scan(source, &mut lines, &head, scan)?;
+        scan += 1;
+    }
+    if points.missing > 0 {
+        warnings
+            .push(format!("{} places of the grids hold no point (0 0 0) and were left out", points.missing));
+    }
+    let mut attributes = Attributes::default();
+    if points.width.is_some_and(|width| width > 3) {
+        attributes.push_scalar("intensity", points.intensities).map_err(Error::shape)?;
+    }
+    if points.width == Some(7) {
+        attributes.set_colours(Some(Colours::Rgb(points.colours)));
+    }
+    if scan > 1 {
+        attributes.push_scalar("scan", points.scans).map_err(Error::shape)?;
+    }
+    let cloud = PointCloud::new(points.positions).with_attributes(attributes).map_err(Error::shape)?;
+    Ok(Parsed::cloud(Format::Ptx, cloud, warnings))
+}
+
+/// What stands before the points of a scan.
+struct Head {
+    /// Columns times rows.
+    count: u64,
+    matrix: Matrix4<f64>,
+}
+
+impl Head {
+    fn read(source: Source<'_>, (at, line): (usize, &[u8]), lines: &mut Lines<'_>) -> Result<Self, Error> {
+        let mut next = |what: &str| {
+            lines.next().ok_or_else(|| {
+                let what = format!("the file ends where {what} is expected");
+                source.line_error(source.data.len(), what, TRUNCATED)
+            })
+        };
+        let count = |(at, line): (usize, &[u8]), what: &str| {
+            parse_count(line.trim_ascii()).ok_or_else(|| {
+                let what = format!("{} is not the number of {what} of a scan", quoted(line.trim_ascii()));
+                source.line_error(at, what, EXPORT)
+            })
+        };
+        let columns = count((at, line), "columns")?;
+        let rows = count(next("the number of rows")?, "rows")?;
+        let mut matrix = Matrix4::zeros();
+        for (place, length) in HEAD.into_iter().enumerate() {
+            let (at, line) = next("the pose of the scanner")?;
+            let found = numbers(line)
+                .filter(|numbers| numbers.len() == length && numbers.iter().all(|number| number.is_finite()));
+            let Some(found) = found else {
+                let what = format!("{} is not a line of {length} numbers", quoted(line.trim_ascii()));
+                return Err(source.line_error(
+                    at,
+                    what,
+                    "the pose of a scan has eight lines; export the file again",
+                ));
+            };
+            if let Some(row) = place.checked_sub(4) {
+                found.iter().enumerate().for_each(|(column, &value)| matrix[(row, column)] = value);
+                // Points are rows here, so that the last column is fixed and the last row is the shift.
+                let last = if row == 3 { 1.0 } else { 0.0 };
+                if (matrix[(row, 3)] - last).abs() > 1e-9 {
+                    let what = format!(
+                        "the matrix of the pose ends a line with {} instead of {last}",
+                        matrix[(row, 3)]
+                    );
+                    return Err(source.line_error(at, what, EXPORT));
+                }
+            }
+        }
+        Ok(Self { count: columns.saturating_mul(rows), matrix })
+    }
+
+    fn is_rigid(&self) -> bool {
+        let turn = self.matrix.fixed_view::<3, 3>(0, 0);
+        (turn * turn.transpose() - nalgebra::Matrix3::identity()).amax() <= RIGID && turn.determinant() > 0.0
+    }
+}
+
+impl Points {
+    fn read_scan(
+        &mut self,
+        source: Source<'_>,
+        lines: &mut Lines<'_>,
+        head: &Head,
+        scan: u32,
+    ) -> Result<(), Error> {
+        source.check_promise(lines.offset(), "points", head.count, 6, true)?;
+        for point in 0..head.count {
+            let Some((at, line)) = lines.next() else {
+                let what =
+                    format!("the file ends after {point} of {} points of scan {}", head.count, scan + 1);
+                return Err(source.line_error(source.data.len(), what, TRUNCATED));
+            };
+            let found = numbers(line).filter(|numbers| matches!(numbers.len(), 3 | 4 | 7));
+            let fits = |numbers: &Vec<f64>| self.width.is_none_or(|width| width == numbers.len());
+            let Some(numbers) = found.filter(fits) else {
+                let what = format!(
+                    "{} is not a point: x y z, with intensity or intensity and r g b, as in all other lines",
+                    quoted(line.trim_ascii())
+                );
+                return Err(source.line_error(at, what, EXPORT));
+            };
+            self.width = Some(numbers.len());
+            if numbers[..3].iter().all(|&value| value == 0.0) {
+                self.missing += 1;
+                continue;
+            }
+            let [x, y, z] = [numbers[0], numbers[1], numbers[2]];
+            let row = nalgebra::RowVector4::new(x, y, z, 1.0) * head.matrix;
+            self.positions.push(Point3::new(row[0], row[1], row[2]));
+            self.scans.push(f64::from(scan));
+            if let Some(&intensity) = numbers.get(3) {
+                self.intensities.push(intensity);
+            }
+            if let Some(&[r, g, b]) = numbers.get(4..7) {
+                if ![r, g, b].iter().all(|value| (0.0..=255.0).contains(value)) {
+                    let what = format!("{r} {g} {b} is no colour of 0 to 255");
+                    return Err(source.line_error(at, what, EXPORT));
+                }
+                self.colours.push([r, g, b].map(crate::columns::to_byte));
+            }
+        }
+        Ok(())
+    }
+}
