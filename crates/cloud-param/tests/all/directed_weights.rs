@@ -54,11 +54,12 @@ fn foot(
     project_directed(&cloud, place, n, options).unwrap().unwrap()
 }
 
+/// Places that have no two points at the same distance.
 fn places() -> Vec<(Vector3<f64>, Vector3<f64>)> {
     (0..12u8)
         .map(|i| {
             let i = f64::from(i);
-            let place = Vector3::new(1.3 * i - 7.0, 3.1 + 0.7 * i, 0.4 * i - 1.0);
+            let place = Vector3::new(1.3137 * i - 7.1313, 3.1 + 0.7351 * i, 0.4113 * i - 1.0171);
             (place, Vector3::new(0.2 * i.sin(), 0.3 * i.cos(), 1.0).normalize())
         })
         .collect()
@@ -70,7 +71,7 @@ fn weights_are_those_of_the_printed_equations() {
     assert_eq!(Neighbourhood::new(&points).unwrap().spacing().to_bits(), 1.0f64.to_bits());
     for weight in WEIGHTS {
         for regularisation in [1e-9, 0.1, 0.7] {
-            for neighbours in [20, 225] {
+            for neighbours in [1, 3, 20, 225] {
                 let options = DirectedOptions::default()
                     .with_weight(weight)
                     .with_neighbours(neighbours)

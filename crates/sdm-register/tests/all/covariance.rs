@@ -187,6 +187,38 @@ fn an_unknown_scale_takes_a_degree_of_freedom() {
 }
 
 #[test]
+fn directions_that_depend_on_each_other_count_with_their_correlation() {
+    // The heights are all taken at one end, so that height and rotation nearly make up for each other.
+    let points = [
+        (1, false, 1.0, 0.01),
+        (1, false, 1.1, -0.02),
+        (1, false, 1.2, 0.015),
+        (0, true, 3.0, 0.02),
+        (0, true, 3.2, -0.01),
+    ]
+    .map(|(axis, upper, at, deviation)| beside::<2>(axis, upper, [at, 0.0], deviation));
+    let weights = [1.0, 2.0, 0.5, 1.0, 3.0];
+    let report = run(&rectangle(), &points, &weights, &RegisterOptions::default());
+    let expected = by_hand(&points, &weights, &report.pose, &identity(4).columns(0, 3).into_owned(), 2);
+    let rows = expected.rows.view((0, 0), (3, 3)).into_owned();
+    let correlation = rows[(1, 2)] / (rows[(1, 1)] * rows[(2, 2)]).sqrt();
+    assert!(1.0 - correlation.abs() < 1e-2, "{correlation}");
+    let covariance = report.covariance.clone().unwrap();
+    let information = expected.information.clone();
+    check(&covariance, &ByHand { rows, ..expected });
+    let (t, w) = (Vector2::new(1e-3, -2e-3), 3e-3);
+    let motion = Pose {
+        source_origin: covariance.origin,
+        target_origin: covariance.origin + t,
+        ..Pose::new(Rotation2::new(w).into_inner(), Vector2::zeros())
+    };
+    let difference = DVector::from_vec(vec![t.x, t.y, w]);
+    let squared = difference.dot(&(information * &difference));
+    let found = covariance.squared_distance(&report.pose, &report.pose.followed_by(&motion));
+    assert!((found / squared - 1.0).abs() < 1e-8, "{found} {squared}");
+}
+
+#[test]
 fn a_locked_direction_has_no_variance() {
     let (points, weights) = beside_the_rectangle();
     let axes = Rotation2::new(0.5).into_inner();
