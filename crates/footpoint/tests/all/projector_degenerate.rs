@@ -164,7 +164,8 @@ fn numbers_near_the_end_of_their_range() {
         let _ = CurveProjector::new(&parabola()).project(&Vector2::new(far, far));
     }
     for scale in [1e-300, 1e160, 1e300] {
-        let (ball, curve) = (ball.scaled(scale, &Vector3::zeros()), parabola().scaled(scale, &Vector2::zeros()));
+        let (ball, curve) =
+            (ball.scaled(scale, &Vector3::zeros()), parabola().scaled(scale, &Vector2::zeros()));
         // Coordinates beyond 1e70 are refused where the shape is made.
         assert_eq!((ball.is_ok(), curve.is_ok()), (scale < 1.0, scale < 1.0), "{scale}");
         if let (Ok(ball), Ok(curve)) = (ball, curve) {

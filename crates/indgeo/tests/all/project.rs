@@ -24,7 +24,10 @@ fn surfaces_have_signed_distances() {
     assert_eq!(text.lines().next(), Some("x,y,z,foot_x,foot_y,foot_z,distance,shape,u,v,status,lower_bound"));
     let rows = rows(&text);
     assert!(
-        but_for_the_bound(&rows[0], &["0.5", "1", "3", "0.5", "1", "0", "3", "0", "0.25", "0.5", "converged"]),
+        but_for_the_bound(
+            &rows[0],
+            &["0.5", "1", "3", "0.5", "1", "0", "3", "0", "0.25", "0.5", "converged"]
+        ),
         "{text}"
     );
     assert!(
@@ -67,7 +70,10 @@ fn several_plane_curves_say_which() {
     assert_eq!(run.code, 0, "{}", run.stderr);
     let text = bench.text("out.csv");
     assert!(text.starts_with("x,y,foot_x,foot_y,distance,shape,t,status,lower_bound\n"), "{text}");
-    assert!(but_for_the_bound(&rows(&text)[1], &["2", "9", "2", "10", "1", "1", "0.5", "converged"]), "{text}");
+    assert!(
+        but_for_the_bound(&rows(&text)[1], &["2", "9", "2", "10", "1", "1", "0.5", "converged"]),
+        "{text}"
+    );
 }
 
 #[test]
@@ -78,7 +84,10 @@ fn curves_in_space_have_no_sign() {
     assert_eq!(bench.run("project model.json points.xyz -o out.csv").code, 0);
     let text = bench.text("out.csv");
     assert!(text.starts_with("x,y,z,foot_x,foot_y,foot_z,distance,shape,t,status,lower_bound\n"), "{text}");
-    assert!(but_for_the_bound(&rows(&text)[0][3..], &["1", "0", "10", "3", "0", "0.25", "converged"]), "{text}");
+    assert!(
+        but_for_the_bound(&rows(&text)[0][3..], &["1", "0", "10", "3", "0", "0.25", "converged"]),
+        "{text}"
+    );
 }
 
 #[test]
