@@ -39,7 +39,7 @@ fn in_plane_and_on_meshes_too() {
     bench.put("cube.off", CUBE);
     bench.put("points.xyz", "1 1 2\nnan 1 0\n");
     assert_eq!(bench.run("project cube.off points.xyz -o mesh.csv").code, 0);
-    assert_eq!(rows(&bench.text("mesh.csv"))[1].join(","), "nan,1,0,,,,,,,invalid_point");
+    assert_eq!(rows(&bench.text("mesh.csv"))[1].join(","), "nan,1,0,,,,,,,invalid_point,");
 }
 
 #[test]

@@ -161,7 +161,7 @@ fn names_of_points_come_back() {
     // Points without names have the columns they always had.
     dir.write("plain.xyz", "0.1 0.2 0.9\n");
     assert_eq!(dir.code(&["project", "model.json", "plain.xyz", "-o", "q.csv"]), 0);
-    assert!(dir.read("q.csv").lines().next().unwrap().ends_with(",status"));
+    assert!(dir.read("q.csv").lines().next().unwrap().ends_with(",status,lower_bound"));
 }
 
 #[test]

@@ -45,7 +45,7 @@ pub struct Nominal {
 enum Kind {
     Surfaces(Box<SurfacesNominal>),
     Mesh(Box<MeshNominal>),
-    Analytic(AnalyticNominal),
+    Analytic(Box<AnalyticNominal>),
     Profile(Box<CurvesNominal<2>>),
     Curves(Box<CurvesNominal<3>>),
 }
@@ -76,7 +76,7 @@ impl Nominal {
     pub fn from_analytic(surfaces: &[AnalyticSurface]) -> Result<Self, Error> {
         let nominal = AnalyticNominal::new(surfaces.to_vec())?;
         let shapes = surfaces.iter().map(|s| ShapeInfo { kind: analytic::kind(s), name: None }).collect();
-        Ok(Self { kind: Kind::Analytic(nominal), shapes })
+        Ok(Self { kind: Kind::Analytic(Box::new(nominal)), shapes })
     }
 
     /// A profile: NURBS curves in the plane. Points lie in it with z = 0; their z is not looked at.
@@ -265,7 +265,7 @@ impl Nominal {
             (Kind::Mesh(nominal), Some(line)) => nominal.along(point, line, facing),
             (Kind::Analytic(nominal), None) => nominal.shortest(&point.coords, facing),
             (Kind::Analytic(nominal), Some(line)) => {
-                trace::along(nominal, point, line, options.max_distance, facing)
+                trace::along(nominal.as_ref(), point, line, options.max_distance, facing)
             }
             (Kind::Surfaces(nominal), Some(line)) => {
                 trace::along(nominal.as_ref(), point, line, options.max_distance, facing)
@@ -321,7 +321,7 @@ impl Nominal {
             Kind::Profile(nominal) => nominal.size(),
             Kind::Curves(nominal) => nominal.size(),
             Kind::Analytic(nominal) => {
-                let bounds = trace::Traceable::bounds(nominal);
+                let bounds = trace::Traceable::bounds(nominal.as_ref());
                 (bounds.max - bounds.min).max()
             }
             Kind::Mesh(nominal) => nominal.mesh().bounding_box().map_or(0.0, |bounds| bounds.extent().max()),

@@ -1,6 +1,6 @@
 //! Rows and facets that are not as the header, or the format, says: what is read of them, and what is refused.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test may panic")]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test may panic")]
 
 use mesh_core::nalgebra::{Point3, Vector3};
 use mesh_core::{Colours, PointCloud, TriangleMesh};

@@ -1,6 +1,6 @@
 //! The cases of `fixtures/fit-cases`, and made ones.
 
-#![allow(dead_code, reason = "not every test uses every case")]
+#![allow(dead_code, clippy::unwrap_used, reason = "tests may panic, and not every test uses every case")]
 
 use nalgebra::{SVector, Vector2};
 use nurbs_core::{BsplineCurve, KnotVector, ParametricCurve};
