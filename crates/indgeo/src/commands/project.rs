@@ -58,10 +58,10 @@ pub(crate) struct Search {
 pub(crate) enum SearchMode {
     /// Global search with a proof that no point is nearer
     Certified,
-    /// Local iterations from the most promising pieces; no proof, lower_bound is empty
+    /// Local iterations from the most promising pieces; no proof, and no lower bound
     Fast,
     /// One local iteration from the nearest of a few samples: a local foot only, wrong where the model comes near the point
-    /// twice; no proof, lower_bound is empty; for points close to the model
+    /// twice; no proof, and no lower bound; for points close to the model
     Local,
 }
 

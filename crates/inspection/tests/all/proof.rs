@@ -143,7 +143,7 @@ fn analytic_walls_are_measured_on_the_side_that_was_seen() {
     // Both face outwards: all feet agree, or none.
     let found = |normal: Vector3<f64>| {
         let options = options().with_max_angle(0.5);
-        nominal.measure(&points, Some(&vec![normal; 3]), &options, &no_progress).unwrap()
+        nominal.measure(&points, Some(&[normal; 3]), &options, &no_progress).unwrap()
     };
     let outwards: Vec<f64> = found(Vector3::x()).iter().map(|d| d.distance).collect();
     let expected = [0.02, -0.04, 0.1];

@@ -1,5 +1,7 @@
 //! All integration tests of `pc-io` in one binary: linking once is most of what building them costs.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests may panic")]
+
 mod common;
 mod coordinates;
 mod meshes;
