@@ -18,6 +18,9 @@ const GROWTH: f64 = 4.0;
 /// Relative difference of distances that a continuum of feet may have.
 const LEVEL: f64 = 1e-7;
 
+/// How far a query is moved to tell the feet of a continuum apart, as shares of their distance.
+const MOVES: [f64; 3] = [1e-2, 1e-4, 1e-6];
+
 /// What was found up to a limit of the distance.
 struct Listed {
     best: Option<SurfaceFootpoint>,
@@ -137,20 +140,35 @@ impl<const K: usize> PatchSet<K> {
             }
             tried.push(level);
             for sense in [1.0, -1.0] {
-                let towards = x + facing.direction() * (sense * level);
-                let found = self.scratch.with(|scratch| self.search(&towards, true, gap, scratch)).foot;
-                if found.patch == usize::MAX {
-                    continue;
-                }
-                // Where all points are as near, rounding alone says which one is lower.
-                let settled = self.descend(x, found.patch, found.local, 50);
-                if (settled.distance_sq.sqrt() - level).abs() <= LEVEL * level {
-                    offer(&settled, true);
+                if let Some(foot) = self.foot_towards(x, &(facing.direction() * sense), level, gap) {
+                    offer(&foot, true);
                 }
             }
         }
         let listed = best.as_ref().map_or(limit, |best| best.distance);
         let bound = if harvest.unresolved { nearest.lower_bound } else { listed.min(open) };
         Listed { best, bound }
+    }
+
+    /// The foot at a known distance that lies in a direction, among those of a continuum.
+    ///
+    /// A query that is moved a little in that direction has a single nearest foot there, and the less it is moved, the nearer that is
+    /// to a foot of `x` itself. Where all points are as near, rounding alone would say which one is lower.
+    fn foot_towards(
+        &self,
+        x: &Vector3<f64>,
+        direction: &Vector3<f64>,
+        level: f64,
+        gap: &Gap,
+    ) -> Option<Foot> {
+        let moved = |share: f64| x + direction * (share * level);
+        let found = self.scratch.with(|scratch| self.search(&moved(MOVES[0]), true, gap, scratch)).foot;
+        if found.patch == usize::MAX {
+            return None;
+        }
+        let foot = (MOVES[1..].iter())
+            .fold(found, |foot, share| self.descend(&moved(*share), foot.patch, foot.local, 50));
+        let distance_sq = self.distance_sq(x, foot.patch, foot.local);
+        ((distance_sq.sqrt() - level).abs() <= LEVEL * level).then_some(Foot { distance_sq, ..foot })
     }
 }
