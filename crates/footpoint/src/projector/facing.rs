@@ -109,7 +109,7 @@ impl<const K: usize> PatchSet<K> {
     ) -> Listed {
         let harvest = self.minima(x, limit * limit, gap);
         let mut best: Option<SurfaceFootpoint> = None;
-        let mut offer = |foot: &Foot, is_proven: bool| {
+        let mut offer = |foot: &Foot| {
             let Some((patch, local)) = self.facing_side((foot.patch, foot.local), facing) else {
                 return false;
             };
@@ -117,13 +117,13 @@ impl<const K: usize> PatchSet<K> {
             let rank = |foot: &SurfaceFootpoint| (foot.distance, foot.shape, foot.parameter);
             let nearer = best.as_ref().is_none_or(|best| rank(&out) < rank(best));
             // The test of a minimum is the dearest one.
-            if nearer && out.distance.is_finite() && (is_proven || self.is_minimum(x, foot)) {
+            if nearer && out.distance.is_finite() && self.is_minimum(x, foot) {
                 best = Some(out);
             }
             true
         };
         for foot in &harvest.feet {
-            offer(foot, false);
+            offer(foot);
         }
         // Of whole curves and areas of feet only some points are known. The foot there whose normal agrees best lies in that
         // direction, or in the opposite one.
@@ -131,7 +131,7 @@ impl<const K: usize> PatchSet<K> {
         let mut tried: Vec<f64> = Vec::new();
         for (foot, _) in &harvest.flats {
             let level = foot.distance_sq.sqrt();
-            if !level.is_finite() || level > limit || offer(foot, false) {
+            if !level.is_finite() || level > limit || offer(foot) {
                 continue;
             }
             open = open.min(level * (1.0 - LEVEL));
@@ -141,7 +141,7 @@ impl<const K: usize> PatchSet<K> {
             tried.push(level);
             for sense in [1.0, -1.0] {
                 if let Some(foot) = self.foot_towards(x, &(facing.direction() * sense), level, gap) {
-                    offer(&foot, true);
+                    offer(&foot);
                 }
             }
         }
