@@ -40,6 +40,7 @@ mod staging;
 mod summary;
 mod surface_start;
 mod target;
+mod tessellating;
 mod threads;
 mod transform;
 mod views_report;

@@ -25,4 +25,5 @@ mod register;
 mod register_views;
 mod report;
 mod selftest;
+mod tessellate;
 mod thin_walls;
