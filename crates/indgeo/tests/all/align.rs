@@ -124,7 +124,11 @@ fn what_does_not_serve_is_refused_with_the_reason() {
     refused("line.csv", line.to_owned(), "degrees of freedom open");
     refused("plain.csv", "x,y,z\n1,2,3\n".to_owned(), "no columns nominal_x");
     refused("part.csv", "x,y,z,nominal_x,nominal_y\n1,2,3,1,2\n".to_owned(), "nominal_z is missing");
-    refused("huge.json", "[{\"measured\": [1e400, 0, 0], \"nominal\": [0, 0, 0]}]".to_owned(), "target 0");
+    refused(
+        "huge.json",
+        "[{\"measured\": [1e400, 0, 0], \"nominal\": [0, 0, 0]}]".to_owned(),
+        "number out of range",
+    );
     refused("empty.json", "{\"targets\": []}".to_owned(), "no targets");
     refused(
         "fix.json",
