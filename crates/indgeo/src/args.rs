@@ -1,8 +1,8 @@
 //! What can be typed.
 
 use crate::commands::{
-    convert, demo, fit_curve, fit_ruled, fit_subdivision, fit_surface, info, inspect, parameterize, project,
-    register, register_views, selftest,
+    align, convert, demo, fit_curve, fit_ruled, fit_subdivision, fit_surface, info, inspect, parameterize,
+    project, register, register_views, selftest,
 };
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::path::{Path, PathBuf};
@@ -31,6 +31,7 @@ Examples:
   indgeo demo
   indgeo project model.json scan.ply -o deviations.csv
   indgeo inspect model.json scan.ply --tolerance 0.05 --report report.html
+  indgeo align datums.json scan.ply -o aligned.ply
   indgeo register part.stl scan.ply -o moved.ply --transform pose.json
   indgeo register-views scan1.ply scan2.ply scan3.ply -o aligned
   indgeo fit-curve section.xyz -o section.json --tolerance 0.05
@@ -44,6 +45,7 @@ Examples:
 pub(crate) enum Command {
     Project(project::Args),
     Inspect(inspect::Args),
+    Align(align::Args),
     Register(register::Args),
     RegisterViews(register_views::Args),
     FitCurve(fit_curve::Args),
@@ -81,6 +83,7 @@ impl Command {
         match self {
             Self::Project(args) => (vec![&args.model, &args.points], vec![args.out.clone()]),
             Self::Inspect(args) => args.files(),
+            Self::Align(args) => args.files(),
             Self::Register(args) => args.files(),
             Self::RegisterViews(args) => args.files(),
             Self::FitCurve(args) => args.files(),
@@ -100,6 +103,7 @@ impl Command {
         match self {
             Self::Project(_) => "project",
             Self::Inspect(_) => "inspect",
+            Self::Align(_) => "align",
             Self::Register(_) => "register",
             Self::RegisterViews(_) => "register-views",
             Self::FitCurve(_) => "fit-curve",

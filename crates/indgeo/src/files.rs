@@ -5,7 +5,7 @@ use industrial_geometry::io::{
     self, AtomicFile, Content, Format, Loaded, ReadOptions, WriteOptions, WriteReport,
 };
 use std::fs;
-use std::io::{BufWriter, ErrorKind, StdoutLock, Write};
+use std::io::{BufWriter, ErrorKind, Read, StdoutLock, Write};
 use std::path::{Path, PathBuf};
 
 /// The name that stands for standard input and standard output.
@@ -22,6 +22,28 @@ pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Loaded<Content>
         return Ok(io::read_from(std::io::stdin().lock(), "standard input", options)?);
     }
     Ok(io::read(path, options)?)
+}
+
+/// The bytes of a file, or of standard input where it is called `-`.
+pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, Error> {
+    let mut bytes = Vec::new();
+    let read = if is_stream(path) {
+        std::io::stdin().lock().read_to_end(&mut bytes).map(|_| bytes)
+    } else {
+        fs::read(path)
+    };
+    let failed = |source| io::Error::Io { path: path.to_path_buf(), action: "read", source };
+    Ok(read.map_err(failed)?)
+}
+
+/// Reads what the bytes of a file hold.
+pub(crate) fn read_from_bytes(
+    bytes: &[u8],
+    path: &Path,
+    options: &ReadOptions,
+) -> Result<Loaded<Content>, Error> {
+    let name = if is_stream(path) { Path::new("standard input") } else { path };
+    Ok(io::read_from(bytes, name, options)?)
 }
 
 /// Makes sure that standard input is read once at most.

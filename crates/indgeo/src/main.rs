@@ -1,9 +1,12 @@
-//! Industrial Geometry on the command line: `indgeo project | inspect | register | register-views | fit-curve | parameterize |
+//! Industrial Geometry on the command line: `indgeo project | inspect | align | register | register-views | fit-curve | parameterize |
 //! fit-surface | fit-ruled | fit-subdivision | convert | info | demo | selftest`.
 
+mod aligning;
+mod alignment_summary;
 mod args;
 mod between_vertices;
 mod commands;
+mod datum_file;
 mod demo;
 mod error;
 mod evolution;
@@ -37,6 +40,7 @@ mod staging;
 mod summary;
 mod surface_start;
 mod target;
+mod tessellating;
 mod threads;
 mod transform;
 mod views_report;

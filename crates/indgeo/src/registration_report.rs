@@ -37,7 +37,7 @@ pub(crate) struct TransformFile {
 }
 
 /// A rotation.
-#[derive(Debug, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub(crate) struct Rotation {
     /// `[w, x, y, z]`.
     pub(crate) quaternion: [f64; 4],
@@ -47,13 +47,20 @@ pub(crate) struct Rotation {
     pub(crate) angle: f64,
 }
 
+impl Rotation {
+    /// That of a pose.
+    pub(crate) fn of(pose: &Pose<3>) -> Self {
+        let (axis, angle) = pose.axis_angle();
+        Self { quaternion: pose.quaternion(), axis: axis.into(), angle }
+    }
+}
+
 /// The content of the transform file of a result.
 pub(crate) fn transform(result: &RegisterReport<3>) -> TransformFile {
     let pose = &result.pose;
-    let (axis, angle) = pose.axis_angle();
     TransformFile {
         matrix: pose.to_row_major(),
-        rotation: Rotation { quaternion: pose.quaternion(), axis: axis.into(), angle },
+        rotation: Rotation::of(pose),
         translation: pose.translation().into(),
         scale: pose.scale,
         status: result.status.name(),

@@ -1,5 +1,6 @@
 //! The machine-readable report of a command (`--json`).
 
+use crate::aligning::AlignmentResults;
 use crate::commands::convert::ConvertResults;
 use crate::fitting_curve::CurveResults;
 use crate::fitting_ruled::RuledResults;
@@ -102,7 +103,7 @@ impl Report {
 /// A file that was read.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Input {
-    /// `model`, `points`, `init`, `view` or `file`.
+    /// `model`, `points`, `init`, `view`, `targets` or `file`.
     pub(crate) role: &'static str,
     /// The path as given.
     #[serde(serialize_with = "lossy")]
@@ -229,6 +230,8 @@ pub(crate) enum Results {
     Inspection(Box<InspectionResults>),
     /// Of a registration.
     Registration(Box<RegistrationResults>),
+    /// Of an alignment by targets.
+    Alignment(Box<AlignmentResults>),
     /// Of a registration of many views.
     Views(Box<ViewsResults>),
     /// Of a fit of a curve.

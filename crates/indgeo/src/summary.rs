@@ -1,5 +1,6 @@
 //! What a projection or an inspection says to a person.
 
+use crate::alignment_summary;
 use crate::fit_numbers::FitNumbers;
 use crate::fitting_ruled::RuledResults;
 use crate::fitting_subdivision::SubdivisionResults;
@@ -24,6 +25,7 @@ pub(crate) fn of(report: &Report) -> String {
         Some(Results::Projection(results)) => write_projection(&mut text, report, results),
         Some(Results::Inspection(found)) => write_inspection(&mut text, report, &found.found),
         Some(Results::Registration(found)) => write_registration(&mut text, report, found),
+        Some(Results::Alignment(found)) => alignment_summary::write(&mut text, report, found),
         Some(Results::Parameters(found)) => write_parameters(&mut text, report, found),
         Some(Results::Views(found)) => write_views(&mut text, report, found),
         Some(Results::Curve(found)) => write_curve(&mut text, report, &found.fitted),
@@ -373,7 +375,7 @@ fn write_folds(text: &mut String, folds: &Folds) -> std::fmt::Result {
     }
 }
 
-fn write_end(text: &mut String, report: &Report) -> std::fmt::Result {
+pub(crate) fn write_end(text: &mut String, report: &Report) -> std::fmt::Result {
     let timings = &report.timings;
     writeln!(
         text,
@@ -392,7 +394,7 @@ fn quoted(name: Option<&str>) -> String {
 }
 
 /// A number with six decimals, or with an exponent where these would hide it.
-fn plain(value: f64) -> String {
+pub(crate) fn plain(value: f64) -> String {
     let size = value.abs();
     if size >= 1e9 || (size < 1e-3 && size > 0.0) { format!("{value:.6e}") } else { format!("{value:.6}") }
 }

@@ -11,6 +11,8 @@
 //! | PCD | 0.5 to 0.7, ascii, binary and compressed | binary |
 //! | NURBS JSON | curves, surfaces, models; the JSON of geomdl | the same |
 //!
+//! [`write_polylines`] writes tessellated curves as OBJ, PLY, SVG or DXF.
+//!
 //! `docs/formats.md` says what is read, written and left out in detail.
 //!
 //! The format is recognised by the content first, by the extension second. Whatever the bytes are, reading ends in an
@@ -47,6 +49,7 @@ mod off;
 mod parsed;
 mod pcd;
 mod ply;
+mod polylines;
 mod ptx;
 mod read;
 mod report;
@@ -66,6 +69,7 @@ pub use mesh_core;
 pub use model::{Model, Shape};
 pub use number::write_number;
 pub use nurbs_core;
+pub use polylines::{PolylineFormat, write_polylines};
 pub(crate) use read::not_points;
 pub use read::{read, read_bytes, read_cloud, read_from, read_mesh, read_model};
 pub use report::{ReadOptions, ReadReport, WriteOptions, WriteReport};

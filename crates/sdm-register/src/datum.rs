@@ -4,8 +4,9 @@ use crate::constraint::{Chart, Locks};
 use crate::linearise::{NormalSystem, add_square};
 use crate::motion::rigid_unknowns;
 use crate::solve::Scaled;
-use crate::{Error, Pose, Status, Velocity};
-use nalgebra::SVector;
+use crate::superpose::superpose;
+use crate::{Error, Pose, Status, Velocity, rotation};
+use nalgebra::{SVector, Vector3};
 
 /// Most steps.
 const MAX_STEPS: usize = 100;
@@ -120,6 +121,46 @@ pub fn align_datum<const D: usize>(
     Ok(DatumReport { pose, status, residuals, rms, iterations })
 }
 
+/// Aligns by datum targets wherever the points are to begin with, as [`align_datum`] does from a start.
+///
+/// The iteration runs from the motion that takes the points nearest to their nominal places ([`superpose`]), and from that
+/// motion with half a turn about each axis of the model. Of the solutions with the smallest residual the one that leaves the
+/// points nearest to their nominal places counts.
+///
+/// # Errors
+/// Those of [`align_datum`].
+pub fn align_datum_from_anywhere<const D: usize>(
+    targets: &[DatumTarget<D>],
+) -> Result<DatumReport<D>, Error> {
+    check(targets)?;
+    let pairs: Vec<_> = targets.iter().map(|t| (t.point, t.nominal, t.weight)).collect();
+    let first = superpose(&pairs)?;
+    let half_turns = (0..if D == 2 { 1 } else { 3 }).map(|axis| {
+        let turn = rotation::exponential::<D>(&Vector3::ith(axis, std::f64::consts::PI)).0;
+        Pose { rotation: turn * first.rotation, ..first }
+    });
+    let mut best = align_datum(targets, &first)?;
+    let offset = |report: &DatumReport<D>| -> f64 {
+        targets.iter().map(|t| t.weight * (report.pose.apply(&t.point) - t.nominal).norm_squared()).sum()
+    };
+    let size = pairs.iter().map(|pair| (pair.1 - first.target_origin).norm()).fold(0.0, f64::max);
+    // Rounding of the residuals, which tells no solution from another.
+    let rounding = 1e-12 * (size + first.target_origin.norm());
+    for start in half_turns {
+        // An alignment that is open from one start can be closed from another; the first one has found a solution already.
+        let Ok(found) = align_datum(targets, &start) else { continue };
+        let better = if (found.rms - best.rms).abs() <= rounding {
+            offset(&found) < offset(&best)
+        } else {
+            found.rms < best.rms
+        };
+        if found.status.is_converged() && (better || !best.status.is_converged()) {
+            best = found;
+        }
+    }
+    Ok(best)
+}
+
 fn check<const D: usize>(targets: &[DatumTarget<D>]) -> Result<(), Error> {
     let finite = |t: &DatumTarget<D>| {
         let length = t.direction.norm();
@@ -204,6 +245,25 @@ mod tests {
         assert!(report.status.is_converged() && report.rms > 1e-3, "{report}");
         let gradient = system_of(&targets, &report.pose).vector.fixed_rows::<6>(0).into_owned();
         assert!(gradient.norm() < 1e-12, "{gradient}");
+    }
+
+    #[test]
+    fn three_two_one_is_found_from_any_position() {
+        for turn in [[3.1, 0.0, 0.0], [0.0, 2.9, 0.4], [1.5, -1.5, 1.5], [0.1, 0.1, -3.0]] {
+            let back = Pose::new(exponential::<3>(&Vector3::from(turn)).0, Vector3::new(40.0, -20.0, 7.0));
+            // Measured beside the nominal places, in the datum planes.
+            let beside = |q: &Vector3<f64>, e: &Vector3<f64>| {
+                let slip = Vector3::new(0.2, -0.1, 0.15);
+                q + slip - e * e.dot(&slip)
+            };
+            let targets: Vec<_> = (nominal().into_iter())
+                .map(|(q, e)| DatumTarget::new(back.inverse().apply(&beside(&q, &e)), q, e))
+                .collect();
+            let report = align_datum_from_anywhere(&targets).unwrap();
+            assert!(report.status.is_converged() && report.rms < 1e-12, "{report}");
+            let x = Vector3::new(1.0, 2.0, 3.0);
+            assert!((report.pose.apply(&back.inverse().apply(&x)) - x).norm() < 1e-11, "{turn:?}");
+        }
     }
 
     #[test]

@@ -4,26 +4,32 @@ use super::Outcome;
 use crate::error::Error;
 use crate::files;
 use crate::report::{Input, Output, Report, Results, Timings};
+use crate::tessellating::{self, Tessellated};
 use crate::wording::{counted, not_finite};
-use industrial_geometry::io::{Format, ReadOptions, WriteOptions};
+use industrial_geometry::io::{
+    Content, Format, Model, PolylineFormat, ReadOptions, WriteOptions, WriteReport, write_polylines,
+};
 use serde::Serialize;
 use std::path::PathBuf;
 
 /// Write points, triangles or NURBS in another format
 ///
 /// Normals, colours, intensity, names and other values per point are kept where the format can hold them; what it cannot
-/// hold is told.
+/// hold is told. Surfaces become triangles, and curves polylines, where OUTPUT is no NURBS file.
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = AFTER_HELP)]
 pub(crate) struct Args {
     /// File to read, its format recognised by content first; `-` is standard input
     pub(crate) input: PathBuf,
-    /// File to write: .ply, .xyz, .csv, .pts, .obj, .stl, .off, .pcd, or .json for NURBS; `-` is standard output (CSV, OBJ for triangles,
-    /// JSON for NURBS)
+    /// File to write: .ply, .xyz, .csv, .pts, .obj, .stl, .off, .pcd, or .json for NURBS; curves also .svg and .dxf; `-` is standard
+    /// output (CSV, OBJ for triangles, JSON for NURBS)
     pub(crate) output: PathBuf,
-    /// Format of OUTPUT, whatever its extension: ply, xyz, csv, pts, obj, stl, off, pcd or json
-    #[arg(long, value_name = "FORMAT", value_parser = files::parse_format)]
-    format: Option<Format>,
+    /// Format of OUTPUT, whatever its extension: ply, xyz, csv, pts, obj, stl, off, pcd or json, for curves svg or dxf as well
+    #[arg(long, value_name = "FORMAT", value_parser = parse_form)]
+    format: Option<Form>,
+    /// Largest distance between a curve or surface and its chords or triangles [default: a thousandth of the diagonal of the model]
+    #[arg(long, value_name = "T", value_parser = super::numbers::length)]
+    chord: Option<f64>,
     /// Leave out points with a coordinate that is NaN or infinite, and the triangles that use them
     #[arg(long)]
     drop_non_finite: bool,
@@ -42,6 +48,8 @@ Examples:
   indgeo convert scan.pcd scan.ply
   indgeo convert scan.ply scan.csv --drop-non-finite
   indgeo convert part.stl part.off
+  indgeo convert surface.json surface.stl --chord 0.01
+  indgeo convert section.json section.dxf
   gzip -dc scan.ply.gz | indgeo convert - - --format xyz | head";
 
 /// What was written.
@@ -55,6 +63,154 @@ pub(crate) struct ConvertResults {
     pub(crate) triangles: usize,
     /// Curves and surfaces.
     pub(crate) shapes: usize,
+    /// Polylines.
+    pub(crate) polylines: usize,
+    /// Largest distance of the shapes from their chords and triangles, where they were tessellated.
+    pub(crate) chord: Option<f64>,
+}
+
+/// A format that can be written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Form {
+    /// Of points, triangles or shapes.
+    Content(Format),
+    /// Of polylines only.
+    Polylines(PolylineFormat),
+}
+
+fn form_of(extension: &str) -> Option<Form> {
+    let content = Format::from_extension(extension).map(Form::Content);
+    content.or_else(|| PolylineFormat::from_extension(extension).map(Form::Polylines))
+}
+
+fn parse_form(text: &str) -> Result<Form, String> {
+    form_of(text).ok_or_else(|| {
+        "choose ply, xyz, csv, pts, obj, stl, off, pcd or json, for curves svg or dxf as well".to_owned()
+    })
+}
+
+/// What is written.
+enum Converted {
+    Content(Content),
+    Polylines(Vec<Vec<[f64; 3]>>, PolylineFormat),
+}
+
+impl Converted {
+    fn describe(&self) -> String {
+        match self {
+            Self::Content(content) => content.describe(),
+            Self::Polylines(polylines, _) => counted(polylines.len(), "polyline"),
+        }
+    }
+}
+
+/// How writing went.
+struct Written {
+    format: &'static str,
+    points: usize,
+    triangles: usize,
+    shapes: usize,
+    polylines: usize,
+    bytes: u64,
+    warnings: Vec<String>,
+}
+
+impl From<WriteReport> for Written {
+    fn from(report: WriteReport) -> Self {
+        Self {
+            format: report.format.extension(),
+            points: report.points,
+            triangles: report.triangles,
+            shapes: report.shapes,
+            polylines: 0,
+            bytes: report.bytes,
+            warnings: report.warnings,
+        }
+    }
+}
+
+impl Args {
+    /// The format that is asked for; `None` where nothing says.
+    fn form(&self) -> Option<Form> {
+        self.format.or_else(|| form_of(&files::extension(&self.output)))
+    }
+
+    /// What of a tessellated model the format holds.
+    fn tessellated(&self, model: &Model, found: Tessellated) -> Result<Converted, Error> {
+        let lines = match self.form() {
+            Some(Form::Polylines(format)) => Some(format),
+            Some(Form::Content(Format::Obj)) => Some(PolylineFormat::Obj),
+            Some(Form::Content(Format::Ply)) => Some(PolylineFormat::Ply),
+            _ => None,
+        };
+        let count = model.shapes().len();
+        match (found.mesh, found.polylines, lines) {
+            (Some(_), _, Some(PolylineFormat::Svg | PolylineFormat::Dxf)) => {
+                let what = "the model has surfaces, which are no polylines";
+                Err(Error::content(&self.input, what, "choose stl, obj, ply or off for OUTPUT"))
+            }
+            (Some(mesh), polylines, _) if polylines.is_empty() => Ok(Converted::Content(Content::Mesh(mesh))),
+            (None, polylines, Some(PolylineFormat::Svg)) if !is_flat(&polylines) => {
+                let what = "the curves leave the planes z = constant, and have no true shape in a picture";
+                Err(Error::content(&self.input, what, "choose dxf, obj or ply for OUTPUT"))
+            }
+            (None, polylines, Some(format)) if !polylines.is_empty() => {
+                Ok(Converted::Polylines(polylines, format))
+            }
+            (Some(_), ..) => {
+                let what = format!(
+                    "the model has surfaces and curves ({count} shapes), which go into no file together"
+                );
+                Err(Error::content(
+                    &self.input,
+                    what,
+                    "put the curves and the surfaces into files of their own",
+                ))
+            }
+            (None, ..) => {
+                let what = "the model has curves, which are no triangles and no points";
+                Err(Error::content(&self.input, what, "choose svg, dxf, obj or ply for OUTPUT"))
+            }
+        }
+    }
+
+    fn write(&self, content: &Converted) -> Result<Written, Error> {
+        match content {
+            Converted::Content(content) => {
+                let format = match self.form() {
+                    Some(Form::Content(format)) => Some(format),
+                    Some(Form::Polylines(format)) => {
+                        let what = format!("{format} holds curves only");
+                        return Err(Error::content(
+                            &self.output,
+                            what,
+                            "choose ply, xyz, csv, pts, obj, stl, off or pcd",
+                        ));
+                    }
+                    None => None,
+                };
+                let options = WriteOptions { format, ascii: self.ascii };
+                Ok(files::write_content(&self.output, content, &options)?.into())
+            }
+            Converted::Polylines(polylines, format) => {
+                let bytes = files::write(&self.output, |out| write_polylines(out, polylines, *format))?;
+                Ok(Written {
+                    format: format.extension(),
+                    points: polylines.iter().map(Vec::len).sum(),
+                    triangles: 0,
+                    shapes: 0,
+                    polylines: polylines.len(),
+                    bytes,
+                    warnings: Vec::new(),
+                })
+            }
+        }
+    }
+}
+
+/// Whether each polyline lies in a plane of constant z.
+fn is_flat(polylines: &[Vec<[f64; 3]>]) -> bool {
+    polylines.iter().all(|polyline| polyline.iter().all(|vertex| vertex[2] == polyline[0][2]))
 }
 
 /// Runs the command.
@@ -66,10 +222,26 @@ pub(crate) fn run(args: &Args, report: &mut Report) -> Result<Outcome, Error> {
         .with_decimal_comma(args.decimal_comma);
     let loaded = Timings::measure(&mut timings.read, || files::read(&args.input, &options))?;
     report.add_input(Input::new("file", &args.input, &loaded.report));
-    let options = WriteOptions { format: args.format, ascii: args.ascii };
-    let written = Timings::measure(&mut timings.write, || {
-        files::write_content(&args.output, &loaded.content, &options)
-    })?;
+    let form = args.form();
+    let is_model = matches!(form, Some(Form::Content(Format::Json)))
+        || (form.is_none() && files::is_stream(&args.output));
+    let (content, chord) = match loaded.content {
+        Content::Nurbs(model) if !is_model => {
+            let found = Timings::measure(&mut timings.compute, || {
+                tessellating::tessellate(&model, args.chord, &args.input)
+            })?;
+            let chord = Some(found.chord);
+            (args.tessellated(&model, found)?, chord)
+        }
+        content => (Converted::Content(content), None),
+    };
+    if args.chord.is_some() && chord.is_none() {
+        return Err(Error::usage(
+            "--chord has no effect",
+            "leave it out, or give NURBS and an OUTPUT of triangles or polylines",
+        ));
+    }
+    let written = Timings::measure(&mut timings.write, || args.write(&content))?;
     report.timings = timings;
     let all = [(&args.input, &loaded.report.warnings), (&args.output, &written.warnings)];
     for (path, warnings) in all {
@@ -82,22 +254,25 @@ pub(crate) fn run(args: &Args, report: &mut Report) -> Result<Outcome, Error> {
         report.warnings.push(not_finite(&args.input, read.non_finite, read.points, fate));
     }
     report.results = Some(Results::Converted(ConvertResults {
-        format: written.format.extension(),
+        format: written.format,
         points: written.points,
         triangles: written.triangles,
         shapes: written.shapes,
+        polylines: written.polylines,
+        chord,
     }));
     report.add_output(Output {
         path: args.output.clone(),
         bytes: written.bytes,
-        content: loaded.content.describe(),
+        content: content.describe(),
     });
     let summary = format!(
-        "{}: {} as {}, {}",
+        "{}: {} as {}, {}{}",
         args.output.display(),
-        loaded.content.describe(),
-        written.format,
-        counted(written.bytes, "byte")
+        content.describe(),
+        written.format.to_ascii_uppercase(),
+        counted(written.bytes, "byte"),
+        chord.map_or_else(String::new, |chord| format!(", within {chord} of the shapes"))
     );
     Ok(Outcome::new(summary, true))
 }

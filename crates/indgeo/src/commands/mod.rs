@@ -1,5 +1,6 @@
 //! The commands, one file each.
 
+pub(crate) mod align;
 pub(crate) mod convert;
 pub(crate) mod demo;
 pub(crate) mod fit_curve;
@@ -74,6 +75,7 @@ pub(crate) fn run(command: &Command, common: &Common, report: &mut Report) -> Re
     match command {
         Command::Project(args) => project::run(args, common, report),
         Command::Inspect(args) => inspect::run(args, common, report),
+        Command::Align(args) => align::run(args, common, report),
         Command::Register(args) => register::run(args, common, report),
         Command::RegisterViews(args) => register_views::run(args, common, report),
         Command::FitCurve(args) => fit_curve::run(args, common, report),

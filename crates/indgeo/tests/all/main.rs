@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests may panic")]
 
+mod align;
 mod browser;
 mod common;
 mod degenerate;
@@ -24,4 +25,5 @@ mod register;
 mod register_views;
 mod report;
 mod selftest;
+mod tessellate;
 mod thin_walls;
