@@ -16,6 +16,7 @@ mod fit_subdivision;
 mod fit_surface;
 mod inspect;
 mod interrupts;
+mod magnitudes;
 mod memory;
 mod options;
 mod parameterize;

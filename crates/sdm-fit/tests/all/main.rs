@@ -9,6 +9,7 @@ mod curve_terms;
 mod curves;
 mod exact;
 mod level_sets;
+mod primitive_odd;
 mod primitive_search;
 mod primitives;
 mod ruled;
