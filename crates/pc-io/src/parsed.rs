@@ -1,5 +1,6 @@
 //! What the readers of single formats hand over.
 
+use crate::wording::counted;
 use mesh_core::{PointCloud, TriangleMesh};
 
 use crate::{Content, Error, Format, Model};
@@ -103,12 +104,12 @@ impl Fans {
     pub(crate) fn finish(self, warnings: &mut Vec<String>) -> Vec<[u32; 3]> {
         if self.polygons > 0 {
             warnings.push(format!(
-                "{} polygons of more than three corners were split into triangles",
-                self.polygons
+                "split into triangles: {} of more than three corners",
+                counted(self.polygons, "polygon")
             ));
         }
         if self.too_few > 0 {
-            warnings.push(format!("{} faces of fewer than three corners were left out", self.too_few));
+            warnings.push(format!("left out: {} of fewer than three corners", counted(self.too_few, "face")));
         }
         self.triangles
     }

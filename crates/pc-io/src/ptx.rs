@@ -1,5 +1,6 @@
 //! PTX, the gridded scans of Leica: several in a file, each with the pose of its scanner.
 
+use crate::wording::counted;
 use mesh_core::{Attributes, Colours, PointCloud};
 use nalgebra::{Matrix4, Point3};
 
@@ -61,8 +62,10 @@ pub(crate) fn read(source: Source<'_>) -> Result<Parsed, Error> {
         scan += 1;
     }
     if points.missing > 0 {
-        warnings
-            .push(format!("{} places of the grids hold no point (0 0 0) and were left out", points.missing));
+        warnings.push(format!(
+            "left out: {} of the grids without a point (0 0 0)",
+            counted(points.missing, "place")
+        ));
     }
     let mut attributes = Attributes::default();
     if points.width.is_some_and(|width| width > 3) {

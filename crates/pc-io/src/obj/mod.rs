@@ -3,6 +3,7 @@
 mod free_form;
 mod write;
 
+use crate::wording::counted;
 use std::borrow::Cow;
 
 use mesh_core::{Attributes, PointCloud};
@@ -250,14 +251,15 @@ impl Reader<'_> {
         let mut warnings = Vec::new();
         if let Some(at) = self.first_unknown {
             warnings.push(format!(
-                "{} lines are no statements of an OBJ file and were passed over (first in line {})",
-                self.unknown,
+                "passed over: {} without a statement of an OBJ file (first in line {})",
+                counted(self.unknown, "line"),
                 self.source.line_at(at)
             ));
         }
         if let Some((at, count)) = self.cut_numbers {
             warnings.push(format!(
-                "{count} numbers are followed by other characters, which were ignored (first in line {})",
+                "ignored: other characters after {} (first in line {})",
+                counted(count, "number"),
                 self.source.line_at(at)
             ));
         }
@@ -285,7 +287,7 @@ impl Reader<'_> {
         }
         let weighted = self.weights.iter().filter(|&&weight| weight != 1.0).count();
         if weighted > 0 {
-            warnings.push(format!("not read: weights of {weighted} vertices"));
+            warnings.push(format!("not read: weights other than 1 (number of vertices: {weighted})"));
         }
         let cloud = PointCloud::new(self.positions).with_attributes(attributes).map_err(Error::shape)?;
         Ok(Parsed::mesh(Format::Obj, cloud, triangles, warnings))

@@ -9,6 +9,7 @@ use self::vertices::Vertices;
 use crate::number;
 use crate::parsed::{Fans, Parsed};
 use crate::source::{Source, quoted};
+use crate::wording::counted;
 use crate::{Error, Format, Place};
 
 pub(crate) use self::write::write;
@@ -165,11 +166,11 @@ fn read_as(
     }
     // Where lines mean nothing, a face without corners is a sign of numbers that were counted wrongly.
     if !arrangement.vertex_lines && fans.too_few > 0 {
-        let what = format!("{} faces have fewer than three corners", fans.too_few);
+        let what = format!("fewer than three corners in {}", counted(fans.too_few, "face"));
         return Err(tokens.source.line_error(tokens.offset(), what, EXPORT));
     }
     if coloured > 0 {
-        warnings.push(format!("not read: colours of {coloured} faces"));
+        warnings.push(format!("not read: colours of {}", counted(coloured, "face")));
     }
     let triangles = fans.finish(&mut warnings);
     Ok(Parsed::mesh(Format::Off, cloud, triangles, warnings))

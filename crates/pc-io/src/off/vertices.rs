@@ -1,5 +1,6 @@
 //! The vertices of an OFF file.
 
+use crate::wording::counted;
 use mesh_core::{Attributes, PointCloud};
 use nalgebra::{Point3, Vector3};
 
@@ -102,9 +103,7 @@ impl Vertices {
     pub(super) fn finish(self, warnings: &mut Vec<String>) -> Result<PointCloud, Error> {
         let Self { header, positions, normals, channels, surplus } = self;
         if surplus > 0 {
-            warnings.push(format!(
-                "{surplus} vertices have numbers after their coordinates, which were not read"
-            ));
+            warnings.push(format!("not read: numbers after the coordinates in {}", counted(surplus, "row")));
         }
         if header.texture && !positions.is_empty() {
             warnings.push("not read: texture coordinates".to_owned());

@@ -13,6 +13,7 @@ use crate::error::Place;
 use crate::number_type::warn_of_wide;
 use crate::parsed::{Fans, Parsed};
 use crate::source::Source;
+use crate::wording::counted;
 use crate::{Error, Format, not_points};
 
 pub(crate) use self::write::write;
@@ -52,7 +53,10 @@ pub(crate) fn read(source: Source<'_>) -> Result<Parsed, Error> {
         warnings.push(format!("not read: {}", not_read.join(", ")));
     }
     if rows.overlong > 0 {
-        warnings.push(format!("{} rows hold more numbers than the header has properties", rows.overlong));
+        warnings.push(format!(
+            "more numbers than the header has properties in {}",
+            counted(rows.overlong, "row")
+        ));
     }
     rows.check_end(elements, &mut warnings)?;
     let cloud = match points {

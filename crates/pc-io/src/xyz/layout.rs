@@ -1,5 +1,6 @@
 //! How the lines of a table are built: separator, header, units, count, decimal sign, columns of text.
 
+use crate::wording::counted;
 use std::collections::HashSet;
 
 use super::fields::{Field, Separator, is_comment};
@@ -232,7 +233,10 @@ impl Layout {
             if let Some(names) = header_names(line).filter(|_| !is_comment(line)) {
                 self.names = Some(names);
                 self.data = lines.offset();
-                self.notes.push(format!("{passed} lines before the names of the columns were passed over"));
+                self.notes.push(format!(
+                    "passed over: {} before the names of the columns",
+                    counted(passed, "line")
+                ));
                 return Ok(());
             }
             passed += 1;

@@ -14,6 +14,7 @@ use self::rows::Rows;
 use crate::columns::{Column, Kind, assemble};
 use crate::parsed::Parsed;
 use crate::source::Source;
+use crate::wording::counted;
 use crate::{Error, Format, ReadOptions, not_points};
 
 pub(crate) use self::layout::{format_of_row, looks_like_header, looks_like_row};
@@ -32,7 +33,7 @@ pub(crate) fn read(source: Source<'_>, options: &ReadOptions) -> Result<Parsed, 
     let blanks = layout.blanks.iter().filter(|&&place| place < rows.width && nothing(place)).count();
     let empty = rows.empty.saturating_sub(blanks * count);
     if empty > 0 {
-        warnings.push(format!("{empty} empty fields were read as NaN"));
+        warnings.push(format!("read as NaN: {}", counted(empty, "empty field")));
     }
     if rows.values.is_empty() && layout.promised.is_some_and(|promised| promised > 0) {
         let what = "the file ends after the number of points";

@@ -70,7 +70,7 @@ fn columns_of_text_are_kept_apart_from_numbers() {
     assert_eq!(loaded.content.len(), 3);
     assert_eq!(loaded.content.attributes().scalars().len(), 1);
     assert_eq!(loaded.content.attributes().scalar("u").map(|u| (u[0], u[2])), Some((0.5, 0.25)));
-    assert_eq!(loaded.report.warnings, ["1 empty fields were read as NaN"]);
+    assert_eq!(loaded.report.warnings, ["read as NaN: 1 empty field"]);
     let status = &loaded.content.attributes().texts()[0];
     assert_eq!((status.name(), status.get(0), status.get(2)), ("status", Some("converged"), Some("7")));
     // Without names a separator at the end closes the last field.
