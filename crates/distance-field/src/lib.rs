@@ -58,6 +58,7 @@ mod d2_tree;
 mod error;
 mod field;
 mod frame;
+pub mod grid;
 mod kernel;
 mod level_set;
 mod local_geometry;

@@ -1,8 +1,8 @@
 //! What can be typed.
 
 use crate::commands::{
-    align, convert, demo, fit_curve, fit_ruled, fit_subdivision, fit_surface, info, inspect, parameterize,
-    project, register, register_views, selftest,
+    align, convert, demo, field, fit_curve, fit_ruled, fit_subdivision, fit_surface, info, inspect,
+    parameterize, project, register, register_views, selftest,
 };
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::path::{Path, PathBuf};
@@ -39,6 +39,7 @@ Examples:
   indgeo fit-surface scan.ply -o surface.json --tolerance 0.05
   indgeo fit-ruled vase.xyz -o layers.json --control-points 25x7 --level
   indgeo fit-subdivision scan.ply -o control.obj --vertices 300
+  indgeo field part.stl -o distance.vti --signed
   indgeo info scan.ply";
 
 #[derive(Debug, Subcommand)]
@@ -53,6 +54,7 @@ pub(crate) enum Command {
     FitSurface(fit_surface::Args),
     FitRuled(fit_ruled::Args),
     FitSubdivision(fit_subdivision::Args),
+    Field(field::Args),
     Convert(convert::Args),
     Info(info::Args),
     Demo(demo::Args),
@@ -91,6 +93,7 @@ impl Command {
             Self::FitSurface(args) => args.files(),
             Self::FitRuled(args) => args.files(),
             Self::FitSubdivision(args) => args.files(),
+            Self::Field(args) => args.files(),
             Self::Convert(args) => (vec![&args.input], vec![args.output.clone()]),
             Self::Info(args) => (args.files.iter().map(PathBuf::as_path).collect(), Vec::new()),
             Self::Demo(args) => (Vec::new(), args.results()),
@@ -111,6 +114,7 @@ impl Command {
             Self::FitSurface(_) => "fit-surface",
             Self::FitRuled(_) => "fit-ruled",
             Self::FitSubdivision(_) => "fit-subdivision",
+            Self::Field(_) => "field",
             Self::Convert(_) => "convert",
             Self::Info(_) => "info",
             Self::Demo(_) => "demo",

@@ -1,5 +1,5 @@
 //! Industrial Geometry on the command line: `indgeo project | inspect | align | register | register-views | fit-curve | parameterize |
-//! fit-surface | fit-ruled | fit-subdivision | convert | info | demo | selftest`.
+//! fit-surface | fit-ruled | fit-subdivision | field | convert | info | demo | selftest`.
 
 mod aligning;
 mod alignment_summary;
@@ -10,6 +10,7 @@ mod datum_file;
 mod demo;
 mod error;
 mod evolution;
+mod field;
 mod files;
 mod fit_numbers;
 mod fitting_curve;

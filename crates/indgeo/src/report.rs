@@ -2,6 +2,7 @@
 
 use crate::aligning::AlignmentResults;
 use crate::commands::convert::ConvertResults;
+use crate::field::FieldResults;
 use crate::fitting_curve::CurveResults;
 use crate::fitting_ruled::RuledResults;
 use crate::fitting_subdivision::SubdivisionResults;
@@ -114,7 +115,7 @@ pub(crate) struct Input {
 }
 
 /// Counts of a file that was read.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub(crate) struct ReadSummary {
     /// Format, recognised by content.
     pub(crate) format: String,
@@ -244,6 +245,8 @@ pub(crate) enum Results {
     Ruled(Box<RuledResults>),
     /// Of a fit of a subdivision surface.
     Subdivision(Box<SubdivisionResults>),
+    /// Of distances on a grid.
+    Field(Box<FieldResults>),
     /// Of `convert`.
     Converted(ConvertResults),
     /// Of `selftest`.

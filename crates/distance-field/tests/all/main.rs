@@ -7,6 +7,7 @@ mod cloud;
 mod common;
 mod curve;
 mod d2_tree;
+mod grid;
 mod level_set;
 mod mesh;
 mod surface;

@@ -3,6 +3,7 @@
 pub(crate) mod align;
 pub(crate) mod convert;
 pub(crate) mod demo;
+pub(crate) mod field;
 pub(crate) mod fit_curve;
 mod fit_loop;
 pub(crate) mod fit_ruled;
@@ -83,6 +84,7 @@ pub(crate) fn run(command: &Command, common: &Common, report: &mut Report) -> Re
         Command::FitSurface(args) => fit_surface::run(args, common, report),
         Command::FitRuled(args) => fit_ruled::run(args, common, report),
         Command::FitSubdivision(args) => fit_subdivision::run(args, common, report),
+        Command::Field(args) => field::run(args, common, report),
         Command::Convert(args) => convert::run(args, report),
         Command::Info(args) => info::run(args, common, report),
         Command::Demo(args) => demo::run(args, common, report),

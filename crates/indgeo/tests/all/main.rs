@@ -9,6 +9,7 @@ mod degenerate;
 mod demo;
 mod errors;
 mod exit_status;
+mod field;
 mod files;
 mod fit_curve;
 mod fit_ruled;

@@ -1,0 +1,152 @@
+//! `indgeo field` as a user runs it.
+
+use crate::common::{Bench, CUBE, fixture};
+use serde_json::Value;
+
+/// Shape and values of an NPY file.
+fn npy(bytes: &[u8]) -> (Vec<usize>, Vec<f64>) {
+    assert!(bytes.starts_with(b"\x93NUMPY\x01\x00"));
+    let length = usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
+    let header = std::str::from_utf8(&bytes[10..10 + length]).unwrap();
+    assert!(header.contains("'<f8'") && header.contains("'fortran_order': False"), "{header}");
+    let shape = header.split('(').nth(1).unwrap().split(')').next().unwrap();
+    let shape =
+        shape.split(',').map(str::trim).filter(|part| !part.is_empty()).map(|part| part.parse().unwrap());
+    let values = bytes[10 + length..].chunks_exact(8).map(|b| f64::from_le_bytes(b.try_into().unwrap()));
+    (shape.collect(), values.collect())
+}
+
+fn field(bench: &Bench, arguments: &str) -> (Vec<usize>, Vec<f64>, Value) {
+    let run = bench.run(&format!("field {arguments} -o out.npy --json -"));
+    assert_eq!(run.code, 0, "{arguments}: {}", run.stderr);
+    let (shape, values) = npy(&bench.read("out.npy"));
+    (shape, values, run.report())
+}
+
+#[test]
+fn ways_around_obstacles_are_exact() {
+    let bench = Bench::new();
+    let scene = fixture("field-cases/scene_aligned.json");
+    let (shape, values, report) =
+        field(&bench, &format!("{scene} --grid 129x129 --path 0.05,0.95 --picture s.svg"));
+    assert_eq!(shape, [129, 129]);
+    let text = std::fs::read_to_string(fixture("field-cases/scene_aligned.exact129.txt")).unwrap();
+    let right: Vec<f64> = text.lines().map(|line| line.trim().parse().unwrap()).collect();
+    assert_eq!(values.len(), right.len());
+    for (node, (value, right)) in values.iter().zip(&right).enumerate() {
+        assert!((value - right).abs() < 1e-13, "node {node}: {value}, {right}");
+    }
+    let results = &report["results"];
+    assert_eq!(results["blocked"], right.iter().filter(|value| **value < 0.0).count());
+    // The six targets of the scene, and the one of the command line.
+    let paths = results["paths"].as_array().unwrap();
+    assert_eq!(paths.len(), 7);
+    for path in paths {
+        let points: Vec<[f64; 2]> = serde_json::from_value(path["points"].clone()).unwrap();
+        let sum: f64 = points.windows(2).map(|p| (p[1][0] - p[0][0]).hypot(p[1][1] - p[0][1])).sum();
+        assert!((sum - path["length"].as_f64().unwrap()).abs() < 1e-14, "{path}");
+        assert_eq!(
+            (points[0], *points.last().unwrap()),
+            ([0.125, 0.1875], serde_json::from_value(path["target"].clone()).unwrap())
+        );
+    }
+    assert!(bench.text("s.svg").contains("<polygon"));
+
+    // From node to node the error is of first order, and obstacles stay what they are.
+    let mut errors = Vec::new();
+    for grid in [129, 257] {
+        let (_, exact, _) = field(&bench, &format!("{scene} --grid {grid}x{grid}"));
+        for method in ["zhao", "fmm"] {
+            let (_, values, report) =
+                field(&bench, &format!("{scene} --grid {grid}x{grid} --method {method}"));
+            assert_eq!(report["results"]["method"], method);
+            let off = values.iter().zip(&exact).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            errors.push(off);
+        }
+    }
+    assert!(errors[0] < 0.03 && (errors[0] - errors[1]).abs() < 1e-9, "{errors:?}");
+    assert!(errors[2] < 0.75 * errors[0], "{errors:?}");
+}
+
+#[test]
+fn points_by_all_methods() {
+    let bench = Bench::new();
+    bench.put("points.xyz", "0.2 0.3\n0.8 0.6\n");
+    let right = |i: usize, j: usize| {
+        let (x, y) = (i as f64 / 64.0, j as f64 / 64.0);
+        (x - 0.2).hypot(y - 0.3).min((x - 0.8).hypot(y - 0.6))
+    };
+    for (method, tolerance) in
+        [("exact", 1e-15), ("tsai", 1e-15), ("zhao", 0.02), ("fmm", 0.02), ("fmm2", 0.004)]
+    {
+        let (shape, values, _) =
+            field(&bench, &format!("points.xyz --grid 65x65 --box 0,0,1,1 --method {method}"));
+        assert_eq!(shape, [65, 65]);
+        let off = (0..65 * 65).map(|k| (values[k] - right(k / 65, k % 65)).abs()).fold(0.0, f64::max);
+        assert!(off <= tolerance, "{method}: {off}");
+    }
+}
+
+#[test]
+fn solids_have_an_inside_with_and_without_a_hole() {
+    let bench = Bench::new();
+    bench.put("cube.off", CUBE);
+    // Without one of its triangles.
+    let lines: Vec<&str> = CUBE.lines().collect();
+    let mut open = lines[..lines.len() - 1].join("\n");
+    open = open.replacen("8 12", "8 11", 1);
+    bench.put("open.off", open);
+    let (shape, closed, _) = field(&bench, "cube.off --grid 9x9x9 --signed");
+    assert_eq!(shape, [9, 9, 9]);
+    let middle = closed[(4 * 9 + 4) * 9 + 4];
+    assert!(middle < 0.0 && closed[0] > 0.0);
+    let (_, carried, report) = field(&bench, "cube.off --grid 9x9x9 --signed --method tsai");
+    assert!(closed.iter().zip(&carried).all(|(a, b)| (a - b).abs() < 1e-12));
+    assert_eq!(report["results"]["elements"], 12);
+    let (_, holed, _) = field(&bench, "open.off --grid 9x9x9 --signed");
+    assert!(holed[(4 * 9 + 4) * 9 + 4] < 0.0 && holed[0] > 0.0);
+    let run = bench.run("field cube.off -o cube.vti --grid 5x6x7");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(String::from_utf8_lossy(&bench.read("cube.vti")).contains("WholeExtent=\"0 4 0 5 0 6\""));
+}
+
+#[test]
+fn what_does_not_serve_is_refused() {
+    let bench = Bench::new();
+    bench.put("points.xyz", "0.2 0.3\n0.8 0.6\n");
+    bench.put("one.xyz", "0.2 0.3\n");
+    bench.put("inside.json", "{\"domain\":[0,1],\"source\":[0.5,0.5],\"polys\":[[[0,0],[1,0],[1,1],[0,1]]]}");
+    bench.put("flat.json", "{\"domain\":[0,1],\"source\":[0.5,0.5],\"polys\":[[[0,0],[1,0]]]}");
+    bench.put(
+        "walled.json",
+        "{\"domain\":[0,1],\"source\":[0.1,0.1],\"polys\":[[[0.5,-1],[0.6,-1],[0.6,2],[0.5,2]]]}",
+    );
+    for (arguments, part) in [
+        ("points.xyz -o f.npy --grid 5x5x5", "--grid has 3 counts, but the shape lies in 2 dimensions"),
+        ("points.xyz -o f.npy --grid 1x5", "counts of at least 2"),
+        ("points.xyz -o f.npy --box 0,0,0,1", "has no extent"),
+        ("points.xyz -o f.npy --box 0,0,1", "four or six"),
+        ("points.xyz -o f.npy --signed", "no inside"),
+        ("points.xyz -o f.npy --path 1,1", "give a scene"),
+        ("points.xyz -o f.txt", "choose .npy or .vti"),
+        ("points.xyz -o f.npy --grid 100000x100000", "bytes"),
+        ("points.xyz", "nothing would be written"),
+        ("one.xyz -o f.npy", "--box"),
+        ("inside.json -o f.npy", "inside of obstacle 0"),
+        ("flat.json -o f.npy", "no area"),
+        ("walled.json -o f.npy --method tsai", "obstacles"),
+        ("none.xyz -o f.npy", "check the path"),
+    ] {
+        let run = bench.run(&format!("field {arguments}"));
+        assert!(run.code == 2 && run.stderr.contains(part), "{arguments}: {} {}", run.code, run.stderr);
+    }
+    // A wall across the whole domain: what lies behind it is infinite, and said so.
+    let run = bench.run("field walled.json -o f.npy --grid 21x21 --path 0.9,0.9 --json -");
+    assert_eq!(run.code, 1, "{}", run.stderr);
+    let report = run.report();
+    assert_eq!(
+        (&report["results"]["paths"][0]["length"], &report["status"]),
+        (&Value::Null, &"not_proven".into())
+    );
+    assert!(run.stderr.contains("no way leads to 189 of 441 nodes"), "{}", run.stderr);
+}
