@@ -32,8 +32,8 @@ pub(crate) struct Args {
     /// Distances inside are negative: of closed curves in the plane, of meshes (with holes too), of surfaces behind their normals
     #[arg(long)]
     signed: bool,
-    /// Find the shortest way from the source of a scene to x,y; may be repeated
-    #[arg(long, value_name = "x,y", num_args = 1.., allow_hyphen_values = true, value_parser = parse_target)]
+    /// Find the shortest ways from the source of a scene to one or several places x,y (with a minus: --path=-1,2)
+    #[arg(long, value_name = "x,y", num_args = 1.., value_parser = parse_target)]
     path: Vec<[f64; 2]>,
     /// Draw the field (SVG): colours, isolines, obstacles and ways; of a field in space its middle section
     #[arg(long, value_name = "P.svg")]
