@@ -7,12 +7,17 @@ fn unit<const D: usize>(nodes: usize) -> Lattice<D> {
     Lattice::new(SVector::zeros(), SVector::repeat(1.0), [nodes; D]).unwrap()
 }
 
-/// Numbers in (0, 1) without a pattern.
-fn random(index: usize) -> f64 {
-    (f64::from(u32::try_from(index).unwrap()) * 0.618_033_988_749_894_9 + 0.1).fract()
+/// Places in the unit square, evenly spread.
+fn place(index: u32) -> Vector2<f64> {
+    let share = |step: f64| (f64::from(index) * step + 0.1).fract();
+    Vector2::new(share(0.754_877_666_246_693), share(0.569_840_290_998_053))
 }
 
-fn largest<const D: usize>(lattice: &Lattice<D>, values: &[f64], right: impl Fn(&SVector<f64, D>) -> f64) -> f64 {
+fn largest<const D: usize>(
+    lattice: &Lattice<D>,
+    values: &[f64],
+    right: impl Fn(&SVector<f64, D>) -> f64,
+) -> f64 {
     (0..lattice.len()).map(|node| (values[node] - right(&lattice.point(node))).abs()).fold(0.0, f64::max)
 }
 
@@ -58,7 +63,11 @@ fn one_source_is_carried_exactly() {
     for element in [
         Element::Point(Vector3::new(0.3, 0.61, 0.2)),
         Element::Segment([Vector3::new(0.1, 0.2, 0.9), Vector3::new(0.8, 0.3, 0.1)]),
-        Element::Triangle([Vector3::new(0.1, 0.2, 0.9), Vector3::new(0.8, 0.3, 0.1), Vector3::new(0.5, 0.9, 0.6)]),
+        Element::Triangle([
+            Vector3::new(0.1, 0.2, 0.9),
+            Vector3::new(0.8, 0.3, 0.1),
+            Vector3::new(0.5, 0.9, 0.6),
+        ]),
     ] {
         let near = seeds(&lattice, &[element], lattice.spacing().norm());
         let (values, rounds) = carry(&lattice, &[element], &near);
@@ -69,8 +78,7 @@ fn one_source_is_carried_exactly() {
 
 #[test]
 fn of_many_sources_hardly_a_node_misses_the_nearest() {
-    let sources: Vec<Element<2>> =
-        (0..1000).map(|k| Element::Point(Vector2::new(random(k), random(7 * k + 3)))).collect();
+    let sources: Vec<Element<2>> = (0..1000).map(|k| Element::Point(place(k))).collect();
     let lattice = unit::<2>(129);
     let near = seeds(&lattice, &sources, lattice.spacing().norm());
     let (values, _) = carry(&lattice, &sources, &near);
@@ -101,8 +109,11 @@ fn the_field_of_a_scene_is_the_least_over_all_ways_through_its_corners() {
             })
             .collect()
     };
-    let obstacles =
-        [polygon([0.35, 0.4], 0.15, 3, 0.3), polygon([0.7, 0.3], 0.12, 24, 0.1), polygon([0.6, 0.75], 0.17, 4, 0.2)];
+    let obstacles = [
+        polygon([0.35, 0.4], 0.15, 3, 0.3),
+        polygon([0.7, 0.3], 0.12, 24, 0.1),
+        polygon([0.6, 0.75], 0.17, 4, 0.2),
+    ];
     let source = Vector2::new(0.1, 0.15);
     let scene = Scene::new(Vector2::zeros(), Vector2::new(1.0, 1.0), source, &obstacles).unwrap();
     let inside = |p: &Vector2<f64>, slack: f64| {
@@ -141,6 +152,10 @@ fn the_field_of_a_scene_is_the_least_over_all_ways_through_its_corners() {
         let ways = points.iter().zip(&length).filter(|(p, _)| sees(p, &x)).map(|(p, l)| l + (x - p).norm());
         let right = ways.fold(f64::INFINITY, f64::min);
         // Samples may miss a corner that is cut by less than their distance.
-        assert!((values[node] - right).abs() < 2e-3 && values[node] >= right - 1e-12, "{x}: {} {right}", values[node]);
+        assert!(
+            (values[node] - right).abs() < 2e-3 && values[node] >= right - 1e-12,
+            "{x}: {} {right}",
+            values[node]
+        );
     }
 }
