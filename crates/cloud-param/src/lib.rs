@@ -48,7 +48,7 @@ pub use defects::{SurfaceDefects, self_loops};
 pub use directed::{DirectedFoot, DirectedOptions, DirectedWeight, project_directed};
 pub use error::Error;
 pub use fit::{
-    FinishOutcome, FinishReport, FitOptions, SurfaceFit, finish_fit, finish_fit_with_progress,
+    FinishOutcome, FinishReport, FitOptions, SurfaceFit, consistent, finish_fit, finish_fit_with_progress,
     finish_options, fit_parameters,
 };
 pub use frame::AxisFrame;

@@ -3,6 +3,7 @@
 use crate::section::Section;
 use crate::{AxisEstimate, AxisFrame, Error, MultilevelOptions, Neighbourhood, Weighting, multilevel};
 use nalgebra::{Matrix3, SymmetricEigen, Vector2, Vector3};
+use sdm_fit::tight_axes;
 use std::f64::consts::{PI, TAU};
 
 /// The kind of base surface.
@@ -136,7 +137,8 @@ pub fn decide(cloud: &Neighbourhood, axis: &AxisEstimate) -> Result<ShapeDecisio
     })
 }
 
-/// The frame of the principal plane: its third axis is the direction in which the cloud extends least.
+/// The frame of the principal plane: its third axis is the direction in which the cloud extends least, and the others are along the sides
+/// of the smallest rectangle around it.
 pub(crate) fn principal_frame(points: &[Vector3<f64>]) -> Result<AxisFrame, Error> {
     let centre = points.iter().sum::<Vector3<f64>>() / points.len().max(1) as f64;
     let size = points.iter().map(|p| (p - centre).norm()).fold(0.0, f64::max);
@@ -147,7 +149,10 @@ pub(crate) fn principal_frame(points: &[Vector3<f64>]) -> Result<AxisFrame, Erro
     let eigen = SymmetricEigen::new(scatter);
     let normal = eigen.eigenvectors.column(eigen.eigenvalues.imin()).into_owned();
     let normal = if normal[normal.iamax()] < 0.0 { -normal } else { normal };
-    AxisFrame::new(centre, &normal)
+    let frame = AxisFrame::new(centre, &normal)?;
+    // Along the sides of a rectangle: otherwise the corners of its domain would be without data.
+    let [x, y] = tight_axes(points, &frame.axes[2], &frame.axes[0]);
+    Ok(AxisFrame { axes: [x, y, frame.axes[2]], ..frame })
 }
 
 /// What a height field over the principal plane leaves, in spacings.

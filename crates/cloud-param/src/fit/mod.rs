@@ -4,7 +4,9 @@ mod anchors;
 mod ease;
 mod finish;
 mod knots;
+mod outliers;
 
+pub use outliers::consistent;
 pub use finish::{FinishOutcome, FinishReport, finish_fit, finish_fit_with_progress, finish_options};
 
 use crate::{Error, SurfaceDefects, parallel};
