@@ -34,6 +34,7 @@ mod multilevel;
 mod neighbourhood;
 pub(crate) mod parallel;
 mod parameterise;
+mod plane_frame;
 mod section;
 mod shape;
 mod surface;

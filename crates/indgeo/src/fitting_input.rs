@@ -13,7 +13,7 @@ use std::path::Path;
 
 /// Points per direction that are taken from a NURBS surface, and at most from all surfaces of a file.
 const SAMPLES: usize = 120;
-const MOST_SAMPLES: usize = 2_000_000;
+const MOST_SAMPLES: usize = 300_000;
 
 /// Points to be fitted, in space.
 #[derive(Debug)]

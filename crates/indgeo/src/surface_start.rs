@@ -27,6 +27,10 @@ const SMALL: f64 = 1e-4;
 const LESS: f64 = 0.85;
 const MOST_CHOSEN: usize = 4000;
 const PER_CONTROL: usize = 4;
+/// Share of the distance before that a surface on which the points lie exactly leaves at most.
+const EXACT: f64 = 0.05;
+/// Largest distance of a point, in spacings, from a surface that is right.
+const VERIFIED: f64 = 0.25;
 /// How often outliers are told anew by the surface without them.
 const ROUNDS: usize = 3;
 
@@ -104,7 +108,7 @@ impl Start {
         }
         if self.far > 0 {
             report.warnings.push(format!(
-                "{name}: {} that were not used, up to {:.3e} away, are on no part of the surface",
+                "{name}: {} left out, up to {:.3e} away, on no part of the surface",
                 counted(self.far, "point"),
                 self.far_max
             ));
@@ -200,7 +204,20 @@ fn over_base_surface(
     chosen: bool,
     progress: Progress<'_>,
 ) -> Result<Found, ParameterError> {
-    let found = parameterise(points, &ParameteriseOptions::default().with_shape(shape))?;
+    let choice = ParameteriseOptions::default().with_shape(shape);
+    let mut found = parameterise(points, &choice)?;
+    if options.fit.robust != Robust::None {
+        // Outliers draw the base surface to themselves, and make its domain wider.
+        let agree = consistent(points, &found.feet, &found.counts)?;
+        if agree != found.counts {
+            let nowhere = Vector3::repeat(f64::NAN);
+            let kept: Vec<Vector3<f64>> =
+                points.iter().zip(&agree).map(|(p, agree)| if *agree { *p } else { nowhere }).collect();
+            let (dropped, strays) = (found.report.dropped, found.report.strays);
+            found = parameterise(&kept, &choice)?;
+            (found.report.dropped, found.report.strays) = (dropped, strays);
+        }
+    }
     let mut size = options.size;
     let mut best = fitted_over(points, &found, &options.with_size(size), progress)?;
     if chosen || options.abs_tolerance.is_some() {
@@ -256,9 +273,6 @@ fn fitted_over(
         ..FitOptions::default()
     };
     let mut counts = found.counts.clone();
-    if options.fit.robust != Robust::None {
-        counts = consistent(points, &found.feet, &counts)?;
-    }
     let mut least_squares = fit_parameters(points, &found.base, &found.feet, &counts, &fit)?;
     if options.fit.robust != Robust::None {
         // Outliers have drawn the base surface to themselves, and may have hidden others.
@@ -296,6 +310,23 @@ fn fitted_over(
         let (done, finish) = finish_fit_with_progress(points, &counts, least_squares, &near, progress)?;
         start.outcome = Some(finish.outcome);
         let mut report = finish.minimisation;
+        let mut done = done;
+        if finish.rms[1] <= SMALL * diagonal(points) && report.fit.status != Status::Cancelled {
+            // Hardly any distance is left: without the energy the surface may be exact.
+            let data: Vec<Vector3<f64>> =
+                points.iter().zip(&counts).filter(|(_, c)| **c).map(|(p, _)| *p).collect();
+            let exact = near
+                .with_exact(true)
+                .with_fit(near.fit.with_smoothing(Smoothing::NONE).with_max_iterations(1));
+            let made = fit_surface_with_progress(&data, done.surface.clone(), &exact, progress)?;
+            if made.report.fit.rms <= EXACT * finish.rms[1] && made.report.folds.count() <= Folds::of(&done.surface).count() {
+                done.surface = made.surface;
+                report.fit.lambda = 0.0;
+                report.fit.status = Status::Converged;
+                report.fit.history.extend(made.report.fit.history);
+                (1..).zip(&mut report.fit.history).for_each(|(number, step)| step.iteration = number);
+            }
+        }
         if finish.outcome.is_new() {
             report.fit.rms = finish.rms[1];
         } else {
@@ -325,8 +356,11 @@ fn concluded(
     let belongs = measurable(points)?;
     let kept: Vec<Vector3<f64>> = points.iter().zip(&belongs).filter(|(_, b)| **b).map(|(p, _)| *p).collect();
     if surface.weights().is_none() {
-        // Open ends stop where the points do.
-        let frames = surface_frames(&surface, &kept)?;
+        // Open ends stop where the points do that are no outliers.
+        let found = SurfaceDistances::of(&surface, points, options.fit.robust)?;
+        let counting: Vec<Vector3<f64>> =
+            points.iter().zip(&found.weights).filter(|(_, w)| **w > 0.0).map(|(p, _)| *p).collect();
+        let frames = surface_frames(&surface, &counting)?;
         if let Some(cut) = cut_to_feet(&surface, &frames)? {
             surface = cut;
             report.controls = [surface.knots_u().distinct_count(), surface.knots_v().distinct_count()];
@@ -357,6 +391,9 @@ fn concluded(
     start.far = (0..points.len()).filter(is_far).count();
     start.far_max = (0..points.len()).filter(is_far).map(|i| found.distances[i]).fold(0.0, f64::max);
     start.unresolved = report.fit.rms > coverage.spacing && found.disagreement < NOISE_AT_LEAST;
+    // What is near all points, with all of its parts, is right, whatever it began with.
+    let is_near = coverage.is_complete() && report.fit.max <= VERIFIED * coverage.spacing;
+    start.doubtful &= !(is_near && report.folds.count() == 0);
     report.coverage = Some(coverage);
     Ok((surface, report, start))
 }

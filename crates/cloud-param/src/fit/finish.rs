@@ -111,6 +111,8 @@ fn minimised(
         };
         let is_better = next.filter(|_| costs.is_some_and(|[before, after]| after.cost < before.cost));
         let failed = is_better.is_none();
+        // Steps that lower what they minimise come to no better surface: this one is a minimum.
+        let at_minimum = failed && costs.is_some();
         let back_much = is_better.as_ref().is_some_and(|(.., back)| *back > MUCH) && fit.damping < CAREFUL;
         let slow = (1.0 - SLOW) * (1.0 - SLOW);
         let is_slow = !failed && costs.is_some_and(|[before, after]| after.cost > slow * before.cost);
@@ -124,6 +126,7 @@ fn minimised(
             (1..).zip(&mut history).for_each(|(number, step)| step.iteration = number);
             let pair = [(&start.surface, &first[..]), (&surface, &frames[..])];
             let costs = surface_costs(data, pair, &options.fit, lambda)?;
+            let raw = raw.unwrap_or_else(|| defects(&surface));
             report.fit.initial_rms = first_rms;
             report.fit.rms = costs[1].rms;
             report.fit.lambda = lambda;
@@ -131,12 +134,11 @@ fn minimised(
             // What was cancelled, or went wrong, stays so; the limit of a stage is not that of all.
             let at_limit = history.len() >= options.fit.max_iterations;
             report.fit.status = match status {
-                Status::MaxIterations if is_slow => Status::Converged,
+                Status::MaxIterations | Status::Stalled if is_slow || at_minimum => Status::Converged,
                 Status::MaxIterations if !at_limit => Status::Stalled,
                 status => status,
             };
             report.fit.history = history;
-            let raw = raw.unwrap_or_else(|| defects(&surface));
             return Ok(Minimised { surface, report, raw, moved_back, costs, is_folded: false });
         }
         if failed || back_much {

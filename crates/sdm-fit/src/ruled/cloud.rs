@@ -1,12 +1,14 @@
 //! Ruled surfaces through clouds of which nothing is known.
 
 use super::fit::{RuledFit, RuledOptions, RuledReport, fit_ruled_within};
+use super::Developability;
 use super::start::initial_ruled;
 use crate::cloud_kind::{CloudKind, cloud_kind, distance_of_far, measurable};
 use crate::iterate::{Progress, no_progress};
-use crate::surface::SurfaceOptions;
+use crate::coverage_surface::noise_of;
 use crate::surface::apart::kept;
-use crate::{BaseShape, Error, Status, Target};
+use crate::surface::{SurfaceOptions, cut_to_feet};
+use crate::{BaseShape, Error, Folds, Status, SurfaceCoverage, Target};
 use mesh_core::CloudIndex;
 use nalgebra::{Point3, Vector3};
 use nurbs_core::BsplineSurface;
@@ -195,8 +197,30 @@ pub fn fit_ruled_cloud_with_progress(
     }
     let share_within = share(&fit);
     let within_tolerance = good(&fit);
+    // Open ends stop where the points do; those that must keep their place stay.
+    let free = base.is_some() && !options.level && !options.ruled.fixed_ends;
+    if free && let Some(cut) = cut_to_feet(&fit.surface, &fit.frames)? {
+        fit = judged_again(&finite, cut, fit, options)?;
+    }
     count_apart(points, &belongs, &mut fit);
     Ok(RuledCloudFit { fit, base, share_within, within_tolerance, runs, dropped })
+}
+
+/// The fit with another surface that is a part of it.
+fn judged_again(
+    points: &[Vector3<f64>],
+    surface: BsplineSurface,
+    mut fit: RuledFit,
+    options: &RuledCloudOptions,
+) -> Result<RuledFit, Error> {
+    fit.report.controls = [surface.knots_u().distinct_count(), surface.knots_v().distinct_count()];
+    fit.report.developability = Developability::of(&surface)?;
+    fit.report.folds = Folds::of(&surface);
+    let distances = fit.frames.iter().map(|f| f.distance.abs()).collect();
+    let noise = noise_of(distances);
+    fit.report.coverage = Some(SurfaceCoverage::of_surface(&surface, points, noise, options.abs_tolerance)?);
+    fit.surface = surface;
+    Ok(fit)
 }
 
 /// Counts the finite points that cannot belong to the surface, and their distances, in the report.

@@ -5,6 +5,7 @@ use crate::coverage_surface::noise_of;
 use crate::iterate::{Progress, fit_with_progress, no_progress};
 use crate::polish::polished;
 use crate::shape::ActiveShape;
+use crate::surface::given::begun_at;
 use crate::{
     Constraints, Error, FitOptions, FitReport, Fitted, Folds, Smoothing, Status, SurfaceCoverage, Target,
 };
@@ -14,6 +15,9 @@ use nurbs_core::BsplineSurface;
 
 /// Largest factor of an energy that only places rulings where there are no data.
 const TRIFLE: f64 = 1e-8;
+
+/// Damping by default: nothing else keeps straight surfaces from sliding beyond the ends of the data.
+const DAMPING: f64 = 0.01;
 
 /// How a ruled surface is fitted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,7 +33,7 @@ pub struct RuledOptions {
     /// [`ActiveRuled::with_abs_twist`]; default 0, no penalty.
     pub abs_twist: f64,
     /// The loop; the default takes second derivatives as energy, whose factor falls from 0.01 to a trifle that places rulings
-    /// where there are no data, fairs parameter lines, and stops after three iterations that change the cost by less than 0.01 %.
+    /// where there are no data, fairs parameter lines, damps steps a little, and stops after three iterations that change the cost by less than 0.01 %.
     pub fit: FitOptions,
 }
 
@@ -40,6 +44,7 @@ impl Default for RuledOptions {
             .with_energy([0.0, 1.0, 0.0])
             .with_smoothing(smoothing)
             .with_fairing(1e-4)
+            .with_damping(DAMPING)
             .with_cost_tolerance(1e-4);
         Self { section_normal: None, fixed_ends: false, abs_twist: 0.0, fit }
     }
@@ -210,7 +215,8 @@ fn fit_to_points(
     progress: Progress<'_>,
 ) -> Result<Fitted<ActiveRuled, 3>, Error> {
     let target = Target::Points { points, weights };
-    let fitted = fit_with_progress(shape, target, constraints, &options.fit, progress)?;
+    let begun = options.fit.with_smoothing(begun_at(points, &shape, &options.fit)?);
+    let fitted = fit_with_progress(shape, target, constraints, &begun, progress)?;
     let is_trifle = match options.fit.smoothing {
         Smoothing::Fixed { lambda } => lambda <= TRIFLE,
         Smoothing::Continuation { floor, .. } => floor <= TRIFLE,

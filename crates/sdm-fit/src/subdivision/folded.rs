@@ -1,7 +1,7 @@
 //! Edges at which meshes fold back on themselves.
 
 use crate::Error;
-use mesh_core::{HalfEdgeMesh, LoopScheme, TriangleMesh};
+use mesh_core::{LoopScheme, TriangleMesh};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
@@ -87,6 +87,7 @@ pub(super) fn check_neighbours(mesh: &TriangleMesh) -> Result<(), Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use mesh_core::HalfEdgeMesh;
     use nalgebra::Point3;
 
     #[test]

@@ -1,6 +1,6 @@
 //! Surfaces fitted to clouds.
 
-use super::InitialSurface;
+use super::{ActiveSurface, InitialSurface};
 use super::apart::{kept, with_apart};
 use super::folds::Folds;
 use super::given;
@@ -336,7 +336,7 @@ fn fit_belonging(
         return concluded(surface, frames, report, Run { runs: 0, folds }, options, (&middle, &local));
     }
     let mut begun = *options;
-    begun.fit.smoothing = given::begun_at(&local, &surface, &options.fit)?;
+    begun.fit.smoothing = given::begun_at(&local, &ActiveSurface::new(surface.clone())?, &options.fit)?;
     let mut runs = Runs::new(target, &begun, progress);
     let mut outcome = match options.abs_tolerance {
         None => runs.run(surface)?,

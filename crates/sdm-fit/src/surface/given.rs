@@ -1,6 +1,5 @@
 //! Surfaces from which a fit begins: how near they are already.
 
-use super::ActiveSurface;
 use crate::polish::may_vanish;
 use crate::primitive::start;
 use crate::shape::ActiveShape;
@@ -54,11 +53,11 @@ pub(super) fn exact(
     Ok(Some((frames, report)))
 }
 
-/// The schedule of an energy that weighs no more, to begin with, than the squared distances that the surface leaves already: more would
-/// draw it away from the points again.
-pub(super) fn begun_at(
+/// The schedule of an energy that weighs no more, to begin with, than the squared distances that a shape leaves already: more would draw it
+/// away from the points again.
+pub(crate) fn begun_at<S: ActiveShape<3>>(
     points: &[Vector3<f64>],
-    surface: &BsplineSurface,
+    shape: &S,
     options: &FitOptions,
 ) -> Result<Smoothing, Error> {
     let first = match options.smoothing {
@@ -66,12 +65,11 @@ pub(super) fn begun_at(
         Smoothing::Continuation { start, .. } | Smoothing::Automatic { start, .. } => start,
     };
     let finite = points.iter().all(|p| p.iter().all(|c| c.is_finite()));
-    let shape = ActiveSurface::new(surface.clone())?;
-    let bend = bending(&shape, options.energy);
+    let bend = bending(shape, options.energy);
     if !finite || bend == 0.0 {
         return Ok(options.smoothing);
     }
-    let left = rms(&SurfaceField::new(surface)?.frames(&start::thinned(points, ASKED), Search::Global, &[]));
+    let left = rms(&shape.frames(&start::thinned(points, ASKED), Search::Global, &[])?);
     let most = first.min(left * left / bend);
     Ok(match options.smoothing {
         Smoothing::Continuation { factor, floor, .. } => Smoothing::Continuation { start: most.max(floor), factor, floor },
@@ -80,8 +78,8 @@ pub(super) fn begun_at(
     })
 }
 
-/// The energy of a surface.
-pub(super) fn bending(shape: &ActiveSurface, weights: [f64; 3]) -> f64 {
+/// The energy of a shape.
+pub(crate) fn bending<S: ActiveShape<3>>(shape: &S, weights: [f64; 3]) -> f64 {
     let (cells, net) = (shape.cells(), shape.coefficients());
     let of_cell = |gram: &crate::CellGram| {
         let columns = cells.columns(gram.cell);

@@ -4,7 +4,7 @@ use super::ActiveSurface;
 use super::given::bending;
 use crate::cloud_kind::{distance_of_far, measurable};
 use crate::options::Robust;
-use crate::target::{Feet, Samples, Target};
+use crate::target::{Feet, Samples};
 use crate::weights::{measure, weights};
 use crate::{Error, FitOptions, parallel};
 use distance_field::{DistanceField, PrincipalFrame, Search, SurfaceField};

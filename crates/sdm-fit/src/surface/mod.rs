@@ -7,7 +7,7 @@ mod edge;
 mod fit;
 mod fold_bounds;
 mod folds;
-mod given;
+pub(crate) mod given;
 mod initial;
 mod judge;
 mod rational;

@@ -8,6 +8,7 @@ use crate::polish::polished;
 use crate::shape::ActiveShape;
 use crate::{Constraints, Error, FitOptions, Fitted, Smoothing, Status, StepRecord, Target};
 use distance_field::PrincipalFrame;
+use nalgebra::Vector3;
 use nurbs_core::BsplineSurface;
 
 /// Coefficients up to which the data are asked for the smoothing, and the factor of the energy above.
@@ -58,6 +59,14 @@ impl Outcome {
 impl<'a> Runs<'a> {
     pub(super) fn new(target: Target<'a, 3>, options: &'a SurfaceOptions, progress: Progress<'a>) -> Self {
         Self { target, options, progress, history: Vec::new(), count: 0, initial_rms: 0.0 }
+    }
+
+    /// The points.
+    pub(super) fn points(&self) -> &'a [Vector3<f64>] {
+        match self.target {
+            Target::Points { points, .. } => points,
+            Target::Model { .. } => &[],
+        }
     }
 
     /// Fits from a surface, and unfolds it.
