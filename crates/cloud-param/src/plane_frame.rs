@@ -35,16 +35,17 @@ pub(crate) fn plane_frame(points: &[Vector3<f64>]) -> Result<AxisFrame, Error> {
     order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
     let [thin, middle, _] = order.map(|k| eigen.eigenvectors.column(k).into_owned());
     let [least, next, _] = order.map(|k| eigen.eigenvalues[k]);
-    let normal = if least > DOUBTFUL * next {
-        best_direction(points, &centre, [&thin, &middle], size)?
-    } else {
-        thin
-    };
+    let normal =
+        if least > DOUBTFUL * next { best_direction(points, &centre, [&thin, &middle], size)? } else { thin };
     tight_frame(points, centre, normal)
 }
 
 /// The frame of a normal, of either sense, along the sides of the smallest rectangle.
-fn tight_frame(points: &[Vector3<f64>], centre: Vector3<f64>, normal: Vector3<f64>) -> Result<AxisFrame, Error> {
+fn tight_frame(
+    points: &[Vector3<f64>],
+    centre: Vector3<f64>,
+    normal: Vector3<f64>,
+) -> Result<AxisFrame, Error> {
     let normal = if normal[normal.iamax()] < 0.0 { -normal } else { normal };
     let frame = AxisFrame::new(centre, &normal)?;
     let [x, y] = tight_axes(points, &frame.axes[2], &frame.axes[0]);
@@ -58,7 +59,8 @@ fn best_direction(
     [a, b]: [&Vector3<f64>; 2],
     size: f64,
 ) -> Result<Vector3<f64>, Error> {
-    let thin: Vec<Vector3<f64>> = points.iter().copied().step_by(points.len().div_ceil(CHOOSERS).max(1)).collect();
+    let thin: Vec<Vector3<f64>> =
+        points.iter().copied().step_by(points.len().div_ceil(CHOOSERS).max(1)).collect();
     let at = |angle: f64| a * angle.cos() + b * angle.sin();
     let step = PI / DIRECTIONS as f64;
     let mut candidates: Vec<(Option<f64>, Vector3<f64>)> =
@@ -106,7 +108,8 @@ impl Rating {
     fn of(points: &[Vector3<f64>], centre: &Vector3<f64>, normal: &Vector3<f64>) -> Result<Self, Error> {
         let frame = tight_frame(points, *centre, *normal)?;
         let local: Vec<Vector3<f64>> = points.iter().map(|p| frame.to_local(p)).collect();
-        let options = MultilevelOptions::default().with_weighting(Weighting::Squared).with_data_per_piece(6.0);
+        let options =
+            MultilevelOptions::default().with_weighting(Weighting::Squared).with_data_per_piece(6.0);
         let left = multilevel(&local, None, &options).map_or(f64::INFINITY, |(_, report)| report.rms);
         let (low, high) = local.iter().fold((local[0], local[0]), |(l, h), p| (l.inf(p), h.sup(p)));
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]

@@ -61,7 +61,8 @@ impl Scan {
         let surfaces: Vec<BsplineSurface> = surfaces(model).collect();
         let most = (MOST_SAMPLES / surfaces.len().max(1)).isqrt();
         if !surfaces.is_empty() && most == 0 {
-            let what = format!("{} are more than points can be taken from", counted(surfaces.len(), "surface"));
+            let what =
+                format!("{} are more than points can be taken from", counted(surfaces.len(), "surface"));
             return Err(Error::content(path, what, "give a part of them"));
         }
         let samples = SAMPLES.min(most);

@@ -10,7 +10,9 @@ use crate::wording::counted;
 use industrial_geometry::fit::subdivision::{
     FoldedEdges, coarsened, fit_subdivision_with_progress, folded_edges,
 };
-use industrial_geometry::fit::{Error as FitError, FitOptions, StepRecord, SurfaceCoverage, Target, measurable};
+use industrial_geometry::fit::{
+    Error as FitError, FitOptions, StepRecord, SurfaceCoverage, Target, measurable,
+};
 use industrial_geometry::io::{Content, Format, ReadOptions, WriteOptions};
 use industrial_geometry::mesh::{Error as MeshError, HalfEdgeMesh, LoopScheme, TriangleMesh};
 use industrial_geometry::nurbs::nalgebra::Vector3;
@@ -77,7 +79,8 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Erro
     let dropped = scan.points.len() - points.len();
     let belongs = measurable(&points).map_err(|error| refused(job, &error))?;
     let finite = points.len();
-    let points: Vec<Vector3<f64>> = points.into_iter().zip(belongs).filter(|(_, b)| *b).map(|(p, _)| p).collect();
+    let points: Vec<Vector3<f64>> =
+        points.into_iter().zip(belongs).filter(|(_, b)| *b).map(|(p, _)| p).collect();
     let apart = finite - points.len();
     if apart > 0 {
         report.warnings.push(format!(

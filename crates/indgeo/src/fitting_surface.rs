@@ -11,8 +11,8 @@ use crate::report::{Report, Results, Timings};
 use crate::surface_start::{Refusal, Start, from_cloud};
 use crate::wording::counted;
 use industrial_geometry::fit::{
-    BaseShape, Error as FitError, Folds, StepRecord, SurfaceCoverage, SurfaceOptions, fit_surface_with_progress,
-    with_controls,
+    BaseShape, Error as FitError, Folds, StepRecord, SurfaceCoverage, SurfaceOptions,
+    fit_surface_with_progress, with_controls,
 };
 use serde::Serialize;
 use std::path::Path;
@@ -80,10 +80,12 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Erro
                 (found.surface, found.report)
             })
         }
-        None => from_cloud(&points, &job.options, job.controls.is_some(), &tell).map(|(surface, fitted, start)| {
-            from = Some(start);
-            (surface, fitted)
-        }),
+        None => from_cloud(&points, &job.options, job.controls.is_some(), &tell).map(
+            |(surface, fitted, start)| {
+                from = Some(start);
+                (surface, fitted)
+            },
+        ),
     });
     drop(progress);
     let (surface, fitted) = found.map_err(|refusal| match refusal {

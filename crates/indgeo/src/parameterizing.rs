@@ -3,9 +3,9 @@
 use crate::between_vertices::between_vertices;
 use crate::error::Error;
 use crate::files;
-use crate::fitting_input::warn_incomplete;
 use crate::fit_numbers::FitVerdict;
 use crate::fit_numbers::told;
+use crate::fitting_input::warn_incomplete;
 use crate::output::{self, Format, ParameterTable};
 use crate::points::Points;
 use crate::progress::Progress;
@@ -16,9 +16,7 @@ use industrial_geometry::cloud_param::{
     Stage, SurfaceDefects, SurfaceFit, finish_fit_with_progress, finish_options, fit_parameters,
     parameterise_with_progress,
 };
-use industrial_geometry::fit::{
-    Robust, Status, StepRecord, SurfaceCoverage, SurfaceDistances, measurable,
-};
+use industrial_geometry::fit::{Robust, Status, StepRecord, SurfaceCoverage, SurfaceDistances, measurable};
 use industrial_geometry::inspection::{Rounding, percent_of_share};
 use industrial_geometry::io::{Content, Model, WriteOptions};
 use industrial_geometry::mesh::TriangleMesh;
@@ -269,7 +267,8 @@ fn results(
     let judged = |(fit, least_squares, finish): Fitted| -> Result<FitResults, cloud_param::Error> {
         let all = SurfaceDistances::of(&fit.surface, cloud, Robust::None)?;
         let belongs = measurable(cloud)?;
-        let kept: Vec<Vector3<f64>> = cloud.iter().zip(belongs).filter(|(_, b)| *b).map(|(p, _)| *p).collect();
+        let kept: Vec<Vector3<f64>> =
+            cloud.iter().zip(belongs).filter(|(_, b)| *b).map(|(p, _)| *p).collect();
         let noise = SurfaceCoverage::noise_of(&all.distances);
         let coverage = SurfaceCoverage::of_surface(&fit.surface, &kept, noise, None)?;
         let is_far = |i: &usize| !found.counts[*i] && all.distances[*i] > coverage.limit;

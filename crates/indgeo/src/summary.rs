@@ -9,8 +9,8 @@ use crate::registration_report::RegistrationResults;
 use crate::report::{ProjectionResults, Report, Results};
 use crate::views_report::ViewsResults;
 use crate::wording::counted;
-use industrial_geometry::fit::{Folds, SurfaceCoverage};
 use industrial_geometry::fit::curve::CurveReport;
+use industrial_geometry::fit::{Folds, SurfaceCoverage};
 use industrial_geometry::inspection::{
     Inspection, Outcome, Rounding, Tolerance, percent, percent_in_full, percent_of_share,
 };

@@ -4,13 +4,13 @@ use crate::report::Report;
 use crate::wording::counted;
 use industrial_geometry::cloud_param::{
     Error as ParameterError, FinishOutcome, FitOptions, Parameterisation, ParameteriseOptions,
-    ParameteriseReport, Shape, consistent, finish_fit_with_progress, finish_options, fit_parameters,
+    ParameteriseReport, Shape, consistent, crowded, finish_fit_with_progress, finish_options, fit_parameters,
     parameterise,
 };
 use industrial_geometry::fit::{
     BaseShape, Error, Folds, Progress, Robust, Smoothing, Status, SurfaceCoverage, SurfaceDistances,
-    SurfaceOptions, SurfaceReport, cut_to_feet, fit_cloud_with_progress, fit_surface_with_progress, measurable,
-    surface_frames,
+    SurfaceOptions, SurfaceReport, cut_to_feet, fit_cloud_with_progress, fit_surface_with_progress,
+    measurable, surface_frames,
 };
 use industrial_geometry::nurbs::BsplineSurface;
 use industrial_geometry::nurbs::nalgebra::Vector3;
@@ -29,8 +29,12 @@ const MOST_CHOSEN: usize = 4000;
 const PER_CONTROL: usize = 4;
 /// Share of the distance before that a surface on which the points lie exactly leaves at most.
 const EXACT: f64 = 0.05;
+/// Standard deviations of the distances beyond which a point is not met, if it is farther than others are apart, too.
+const WILD: f64 = 6.0;
 /// Largest distance of a point, in spacings, from a surface that is right.
 const VERIFIED: f64 = 0.25;
+/// First factor of an energy that vanishes, from a surface that is near, and its factor in each iteration.
+const VANISHING: [f64; 2] = [1e-6, 0.1];
 /// How often outliers are told anew by the surface without them.
 const ROUNDS: usize = 3;
 
@@ -56,7 +60,7 @@ pub(crate) struct Start {
     pub(crate) strays: usize,
     /// Points that do not count: beyond the ends of the base surface.
     pub(crate) beyond_ends: usize,
-    /// Points that were left out, and are on no part of the surface; the largest distance of one of them.
+    /// Points that are on no part of the surface, whether they were used or not; the largest distance of one of them.
     pub(crate) far: usize,
     pub(crate) far_max: f64,
     /// Whether the points are farther from the surface than from each other, and neighbours alike: it does not follow them.
@@ -108,7 +112,7 @@ impl Start {
         }
         if self.far > 0 {
             report.warnings.push(format!(
-                "{name}: {} left out, up to {:.3e} away, on no part of the surface",
+                "{name}: {} far from all parts of the surface, up to {:.3e}; `--outliers automatic` leaves out what does not belong",
                 counted(self.far, "point"),
                 self.far_max
             ));
@@ -150,8 +154,19 @@ pub(crate) fn from_cloud(
     chosen: bool,
     progress: Progress<'_>,
 ) -> Result<Found, Refusal> {
-    let (surface, report, start) = begun(points, options, chosen, progress)?;
+    let used = match options.fit.robust {
+        Robust::None => points.to_vec(),
+        _ => in_crowds(points).map_err(Refusal::Points)?,
+    };
+    let (surface, report, start) = begun(&used, options, chosen, progress)?;
     concluded(points, surface, report, start, options)
+}
+
+/// The points with others beside them; those by themselves have no place.
+fn in_crowds(points: &[Vector3<f64>]) -> Result<Vec<Vector3<f64>>, ParameterError> {
+    let crowded = crowded(points, &measurable(points)?)?;
+    let nowhere = Vector3::repeat(f64::NAN);
+    Ok(points.iter().zip(crowded).map(|(p, crowded)| if crowded { *p } else { nowhere }).collect())
 }
 
 fn begun(
@@ -289,7 +304,16 @@ fn fitted_over(
     let like_finish = finish_options(points.len());
     let near = options.with_coverage(false).with_fit(match options.fit.smoothing {
         Smoothing::Automatic { .. } => options.fit.with_smoothing(like_finish.fit.smoothing),
-        _ => options.fit,
+        // The least squares surface is near: there is no need to come down from a large energy.
+        Smoothing::Continuation { floor, .. } if floor > 0.0 => {
+            options.fit.with_smoothing(Smoothing::Fixed { lambda: floor })
+        }
+        Smoothing::Continuation { .. } => options.fit.with_smoothing(Smoothing::Continuation {
+            start: VANISHING[0],
+            factor: VANISHING[1],
+            floor: 0.0,
+        }),
+        Smoothing::Fixed { .. } => options.fit,
     });
     let base = match found.report.shape.shape {
         Shape::Plane => BaseShape::Plane,
@@ -319,7 +343,9 @@ fn fitted_over(
                 .with_exact(true)
                 .with_fit(near.fit.with_smoothing(Smoothing::NONE).with_max_iterations(1));
             let made = fit_surface_with_progress(&data, done.surface.clone(), &exact, progress)?;
-            if made.report.fit.rms <= EXACT * finish.rms[1] && made.report.folds.count() <= Folds::of(&done.surface).count() {
+            if made.report.fit.rms <= EXACT * finish.rms[1]
+                && made.report.folds.count() <= Folds::of(&done.surface).count()
+            {
                 done.surface = made.surface;
                 report.fit.lambda = 0.0;
                 report.fit.status = Status::Converged;
@@ -355,20 +381,20 @@ fn concluded(
 ) -> Result<Found, Refusal> {
     let belongs = measurable(points)?;
     let kept: Vec<Vector3<f64>> = points.iter().zip(&belongs).filter(|(_, b)| **b).map(|(p, _)| *p).collect();
-    if surface.weights().is_none() {
-        // Open ends stop where the points do that are no outliers.
-        let found = SurfaceDistances::of(&surface, points, options.fit.robust)?;
-        let counting: Vec<Vector3<f64>> =
-            points.iter().zip(&found.weights).filter(|(_, w)| **w > 0.0).map(|(p, _)| *p).collect();
-        let frames = surface_frames(&surface, &counting)?;
-        if let Some(cut) = cut_to_feet(&surface, &frames)? {
-            surface = cut;
-            report.controls = [surface.knots_u().distinct_count(), surface.knots_v().distinct_count()];
-            report.folds = Folds::of(&surface);
-        }
-    }
+    // Open ends stop where the points do that are no outliers.
     let found = SurfaceDistances::of(&surface, points, options.fit.robust)?;
-    let finite_before = |index: usize| points[..index].iter().filter(|p| p.iter().all(|c| c.is_finite())).count();
+    let counting: Vec<Vector3<f64>> =
+        points.iter().zip(&found.weights).filter(|(_, w)| **w > 0.0).map(|(p, _)| *p).collect();
+    let frames = surface_frames(&surface, &counting)?;
+    if let Some(cut) = cut_to_feet(&surface, &frames)? {
+        surface = cut;
+        report.controls = [surface.knots_u().distinct_count(), surface.knots_v().distinct_count()];
+        report.folds = Folds::of(&surface);
+    }
+    report.dropped = points.iter().filter(|p| !p.iter().all(|c| c.is_finite())).count();
+    let found = SurfaceDistances::of(&surface, points, options.fit.robust)?;
+    let finite_before =
+        |index: usize| points[..index].iter().filter(|p| p.iter().all(|c| c.is_finite())).count();
     report.fit.rms = found.rms;
     report.fit.max = found.max;
     report.fit.max_index = finite_before(found.max_index);
@@ -381,15 +407,18 @@ fn concluded(
         report.share_within = Some(share);
         report.within_tolerance = share >= options.share;
     }
-    // Points apart from the others are left out on purpose where outliers are expected.
+    // Points apart from the others are left out on purpose where outliers are expected; with a tolerance that one decides about points that
+    // were used.
     let purposely = options.fit.robust != Robust::None;
+    let limit = coverage.limit.max(WILD * noise);
     let is_far = |i: &usize| {
-        let left_out = start.left_out.get(*i).copied().unwrap_or(false) || found.weights[*i] == 0.0;
         let expected = purposely && found.weights[*i] == 0.0;
-        left_out && !expected && found.distances[*i] > coverage.limit
+        let left_out = start.left_out.get(*i).copied().unwrap_or(false) || found.weights[*i] == 0.0;
+        (left_out || options.abs_tolerance.is_none()) && !expected && found.distances[*i] > limit
     };
-    start.far = (0..points.len()).filter(is_far).count();
-    start.far_max = (0..points.len()).filter(is_far).map(|i| found.distances[i]).fold(0.0, f64::max);
+    let far: Vec<usize> = (0..points.len()).filter(is_far).collect();
+    start.far_max = far.iter().map(|&i| found.distances[i]).fold(0.0, f64::max);
+    start.far = far.len();
     start.unresolved = report.fit.rms > coverage.spacing && found.disagreement < NOISE_AT_LEAST;
     // What is near all points, with all of its parts, is right, whatever it began with.
     let is_near = coverage.is_complete() && report.fit.max <= VERIFIED * coverage.spacing;

@@ -13,7 +13,7 @@ const LARGEST: usize = 6;
 /// Variances across a plane, and across a line, as a share of the next larger one, up to which neighbours lie in it. Half a ball has
 /// .3, so that the border of a volume is not taken for a surface.
 const FLAT: f64 = 0.12;
-const STRAIGHT: f64 = 0.02;
+const STRAIGHT: f64 = 0.04;
 /// Share of the points whose neighbours lie in planes, at some scale, of a surface; and in lines, at all scales, of a curve.
 const SURFACE: f64 = 0.5;
 const CURVE: f64 = 0.9;
@@ -43,7 +43,8 @@ pub enum CloudKind {
 /// # Errors
 /// [`Error::Field`] for more points than can be numbered.
 pub fn cloud_kind(points: &[Vector3<f64>]) -> Result<CloudKind, Error> {
-    let finite: Vec<Vector3<f64>> = points.iter().filter(|p| p.iter().all(|c| c.is_finite())).copied().collect();
+    let finite: Vec<Vector3<f64>> =
+        points.iter().filter(|p| p.iter().all(|c| c.is_finite())).copied().collect();
     let points = distinct(&finite);
     if points.len() < LEAST {
         return Ok(CloudKind::Surface);
@@ -57,7 +58,8 @@ pub fn cloud_kind(points: &[Vector3<f64>]) -> Result<CloudKind, Error> {
         let (mut flat, mut straight) = (false, true);
         let mut count = NEIGHBOURS[0].min(largest);
         loop {
-            let [first, second, third] = variances(near[..near.len().min(count + 1)].iter().map(|n| points[n.index]));
+            let [first, second, third] =
+                variances(near[..near.len().min(count + 1)].iter().map(|n| points[n.index]));
             flat |= third <= FLAT * second;
             straight &= second <= STRAIGHT * first;
             if count >= largest {
@@ -105,7 +107,8 @@ pub fn measurable(points: &[Vector3<f64>]) -> Result<Vec<bool>, Error> {
         let k = (share * (values.len() - 1) as f64) as usize;
         *values.select_nth_unstable_by(k, f64::total_cmp).1
     };
-    let middle = Vector3::from_fn(|c, _| quantile(points.iter().filter(|p| finite(p)).map(|p| p[c]).collect(), 0.5));
+    let middle =
+        Vector3::from_fn(|c, _| quantile(points.iter().filter(|p| finite(p)).map(|p| p[c]).collect(), 0.5));
     // Halves, so that no difference overflows.
     let distance = |p: &Vector3<f64>| (0.5 * p - 0.5 * middle).amax();
     let distances: Vec<f64> = points.iter().filter(|p| finite(p)).map(distance).collect();
@@ -116,7 +119,8 @@ pub fn measurable(points: &[Vector3<f64>]) -> Result<Vec<bool>, Error> {
             *belongs &= distance(point) <= BEYOND * usual;
         }
     }
-    let size = points.iter().zip(&belongs).filter(|(_, b)| **b).map(|(p, _)| 2.0 * distance(p)).fold(0.0, f64::max);
+    let size =
+        points.iter().zip(&belongs).filter(|(_, b)| **b).map(|(p, _)| 2.0 * distance(p)).fold(0.0, f64::max);
     if size > 0.0 && !(SIZES[0]..=SIZES[1]).contains(&size) {
         return Err(Error::Magnitude { size, least: SIZES[0], most: SIZES[1] });
     }
@@ -143,7 +147,10 @@ pub fn tight_axes(points: &[Vector3<f64>], normal: &Vector3<f64>, first: &Vector
     let sides = |direction: &Vector2<f64>| {
         let across = Vector2::new(-direction.y, direction.x);
         let width = |d: &Vector2<f64>| {
-            let range = hull.iter().map(|p| p.dot(d)).fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+            let range = hull
+                .iter()
+                .map(|p| p.dot(d))
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
             range.1 - range.0
         };
         [width(direction), width(&across)]
@@ -151,7 +158,8 @@ pub fn tight_axes(points: &[Vector3<f64>], normal: &Vector3<f64>, first: &Vector
     let area = |direction: &Vector2<f64>| sides(direction).iter().product::<f64>();
     let given = Vector2::x();
     let edges = (0..hull.len()).filter_map(|k| (hull[(k + 1) % hull.len()] - hull[k]).try_normalize(0.0));
-    let best = edges.min_by(|a, b| area(a).total_cmp(&area(b))).filter(|best| area(best) < TIGHTER * area(&given));
+    let best =
+        edges.min_by(|a, b| area(a).total_cmp(&area(b))).filter(|best| area(best) < TIGHTER * area(&given));
     let Some(best) = best else { return [*first, second] };
     let [along, across] = sides(&best);
     let best = if along >= across { best } else { Vector2::new(-best.y, best.x) };
@@ -198,14 +206,18 @@ mod tests {
     #[test]
     fn curves_surfaces_and_volumes_are_told_apart() {
         let cloud = |place: &dyn Fn(f64, f64, f64) -> Vector3<f64>| -> Vec<Vector3<f64>> {
-            let at = |k: usize| place(share(k, 0.754_877_666), share(k, 0.569_840_291), share(k, 0.438_579_021));
+            let at =
+                |k: usize| place(share(k, 0.754_877_666), share(k, 0.569_840_291), share(k, 0.438_579_021));
             (1..=2000).map(at).collect()
         };
         let turn = std::f64::consts::TAU;
         let kind = |place: &dyn Fn(f64, f64, f64) -> Vector3<f64>| cloud_kind(&cloud(place)).unwrap();
         assert_eq!(kind(&|a, b, c| Vector3::new(a, b, c)), CloudKind::Volume);
         assert_eq!(kind(&|a, b, c| Vector3::new(4.0 * a, 2.0 * b, c)), CloudKind::Volume);
-        assert_eq!(kind(&|a, b, _| Vector3::new((turn * a).cos(), (turn * a).sin(), 4.0 * b)), CloudKind::Surface);
+        assert_eq!(
+            kind(&|a, b, _| Vector3::new((turn * a).cos(), (turn * a).sin(), 4.0 * b)),
+            CloudKind::Surface
+        );
         // Noise of two spacings.
         assert_eq!(kind(&|a, b, c| Vector3::new(10.0 * a, 10.0 * b, c)), CloudKind::Surface);
         assert_eq!(kind(&|a, _, _| Vector3::new(a, 2.0 * a, 3.0 * a)), CloudKind::Curve);
@@ -215,7 +227,8 @@ mod tests {
 
     #[test]
     fn wild_points_do_not_belong() {
-        let mut points: Vec<Vector3<f64>> = (0..100).map(|k| Vector3::new(share(k, 0.7), share(k, 0.3), 1.0)).collect();
+        let mut points: Vec<Vector3<f64>> =
+            (0..100).map(|k| Vector3::new(share(k, 0.7), share(k, 0.3), 1.0)).collect();
         points.push(Vector3::new(1e300, 0.0, 0.0));
         points.push(Vector3::new(f64::NAN, 0.0, 0.0));
         points.push(Vector3::new(0.0, -f64::MAX, f64::MAX));

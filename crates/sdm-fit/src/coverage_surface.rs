@@ -188,7 +188,8 @@ impl Data {
 
     /// The spacing that the distances of the nearest samples tell.
     fn between_rows(&self, samples: &Samples, distance: &dyn Fn(usize) -> f64) -> f64 {
-        let mut order: Vec<(f64, f64)> = samples.areas.iter().enumerate().map(|(k, a)| (distance(k), *a)).collect();
+        let mut order: Vec<(f64, f64)> =
+            samples.areas.iter().enumerate().map(|(k, a)| (distance(k), *a)).collect();
         order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
         let wanted = NEAR_SHARE * samples.areas.iter().sum::<f64>();
         let mut sum = 0.0;
@@ -206,8 +207,10 @@ fn samples_of_surface(surface: &BsplineSurface, step: f64) -> Samples {
     let knots = [surface.knots_u(), surface.knots_v()];
     let spans = knots.map(|k| k.spans().collect::<Vec<_>>());
     let lengths = span_lengths(surface, knots, &spans);
-    let counts_for = |step: f64| lengths.clone().map(|l| l.into_iter().map(|l| count(l, step)).collect::<Vec<usize>>());
-    let total = |counts: &[Vec<usize>; 2]| counts.iter().map(|c| c.iter().sum::<usize>() as f64).product::<f64>();
+    let counts_for =
+        |step: f64| lengths.clone().map(|l| l.into_iter().map(|l| count(l, step)).collect::<Vec<usize>>());
+    let total =
+        |counts: &[Vec<usize>; 2]| counts.iter().map(|c| c.iter().sum::<usize>() as f64).product::<f64>();
     let mut counts = counts_for(step);
     if total(&counts) > MOST_SAMPLES {
         counts = counts_for(step * (total(&counts) / MOST_SAMPLES).sqrt());
@@ -371,15 +374,17 @@ mod tests {
     #[test]
     fn rows_of_points_are_as_far_apart_as_they_are() {
         // Rows .1 apart, with points .02 apart in them.
-        let rows: Vec<_> =
-            (0..21 * 51).map(|k: i32| Vector3::new(f64::from(k / 51) / 10.0, f64::from(k % 51) / 50.0, 0.0)).collect();
+        let rows: Vec<_> = (0..21 * 51)
+            .map(|k: i32| Vector3::new(f64::from(k / 51) / 10.0, f64::from(k % 51) / 50.0, 0.0))
+            .collect();
         let found = SurfaceCoverage::of_surface(&rectangle(), &rows, 0.0, None).unwrap();
         assert!(found.is_complete() && (0.05..0.15).contains(&found.spacing), "{found:?}");
     }
 
     #[test]
     fn triangles_are_sampled_all_over() {
-        let corners = [[0., 0., 0.], [4., 0., 0.], [4., 4., 0.], [0., 4., 0.], [2., 2., 0.]].map(Point3::from);
+        let corners =
+            [[0., 0., 0.], [4., 0., 0.], [4., 4., 0.], [0., 4., 0.], [2., 2., 0.]].map(Point3::from);
         let triangles = vec![[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]];
         let mesh = mesh_core::TriangleMesh::new(corners.to_vec(), triangles).unwrap();
         let surface = LoopSurface::new(&mesh).unwrap();

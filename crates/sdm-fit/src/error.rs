@@ -23,7 +23,9 @@ pub enum Error {
         what: &'static str,
     },
     /// Points so near to each other, or so far apart, that squares of lengths cannot be computed with.
-    #[error("the cloud is {size:.1e} wide, but sizes from {least:.0e} to {most:.0e} can be computed with; use another unit of length")]
+    #[error(
+        "the cloud is {size:.1e} wide, but sizes from {least:.0e} to {most:.0e} can be computed with; use another unit of length"
+    )]
     Magnitude {
         /// Largest distance from the middle of the points, doubled.
         size: f64,

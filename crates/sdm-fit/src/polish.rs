@@ -6,8 +6,11 @@ use crate::{Constraints, Error, FitOptions, Fitted, Smoothing, Status, StepRecor
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Root mean square distance as a share of the size up to which points may lie on the shape exactly, and that which is rounding.
-const NEARLY: f64 = 1e-4;
+/// Root mean square distances as shares of the size up to which points may lie on the shape exactly: where neighbours are off alike, so that
+/// it may be the energy that keeps the shape from them, and otherwise. That which is rounding.
+const NEARLY: [f64; 2] = [1e-2, 1e-4];
+/// Disagreement of the residuals of neighbours, 1 for noise, below which they are off alike.
+const ALIKE: f64 = 0.3;
 const ROUNDING: f64 = 1e-14;
 /// Iterations at most, and those after which the distance must have fallen to this share.
 const ITERATIONS: usize = 40;
@@ -28,6 +31,11 @@ pub(crate) fn may_vanish(smoothing: Smoothing) -> bool {
     }
 }
 
+/// The share of the size up to which points may lie on a shape exactly, by how much the residuals of neighbours disagree.
+pub(crate) fn nearly_exact(disagreement: f64) -> f64 {
+    if disagreement < ALIKE { NEARLY[0] } else { NEARLY[1] }
+}
+
 /// Goes on from a fit without smoothing and fairing, which draw a shape off the points, if hardly any distance is left; `None` where that
 /// does not lead to a shape on which the points lie exactly. The history is that of both.
 pub(crate) fn polished<const D: usize, S: ActiveShape<D>>(
@@ -35,11 +43,11 @@ pub(crate) fn polished<const D: usize, S: ActiveShape<D>>(
     target: Target<'_, D>,
     constraints: &Constraints<D>,
     options: &FitOptions,
-    size: f64,
+    (size, nearly): (f64, f64),
     progress: Progress<'_>,
 ) -> Result<Option<Fitted<S, D>>, Error> {
     let first = before.report.rms;
-    if !(ROUNDING * size..=NEARLY * size).contains(&first) || before.report.status == Status::Cancelled {
+    if !(ROUNDING * size..=nearly * size).contains(&first) || before.report.status == Status::Cancelled {
         return Ok(None);
     }
     let count = before.report.history.len();
@@ -49,7 +57,11 @@ pub(crate) fn polished<const D: usize, S: ActiveShape<D>>(
             is_cancelled.store(true, Ordering::Relaxed);
             return ControlFlow::Break(());
         }
-        if step.iteration >= TRIED && step.rms > FALLEN * first { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        if step.iteration >= TRIED && step.rms > FALLEN * first {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
     };
     let exact = options
         .with_smoothing(Smoothing::NONE)
@@ -65,7 +77,10 @@ pub(crate) fn polished<const D: usize, S: ActiveShape<D>>(
         cancelled.report.status = Status::Cancelled;
         return Ok(Some(cancelled));
     }
-    if after.report.rms.is_nan() || after.report.rms > EXACT * first || after.report.status == Status::Diverged {
+    if after.report.rms.is_nan()
+        || after.report.rms > EXACT * first
+        || after.report.status == Status::Diverged
+    {
         return Ok(None);
     }
     // A singular system, or no step that lowers it, means that nothing is left to be gained.

@@ -39,7 +39,11 @@ pub fn finish_options(points: usize) -> SurfaceOptions {
     let smoothing = Smoothing::Automatic { start: SMOOTHING, factor: 0.5 };
     let fit = defaults.fit.with_smoothing(smoothing).with_damping(DAMPING);
     let iterations = (FOOTPOINTS / points.max(1)).clamp(ITERATIONS[0], ITERATIONS[1]);
-    defaults.with_unfoldings(0).with_exact(false).with_coverage(false).with_fit(fit.with_max_iterations(iterations))
+    defaults
+        .with_unfoldings(0)
+        .with_exact(false)
+        .with_coverage(false)
+        .with_fit(fit.with_max_iterations(iterations))
 }
 
 /// A surface that squared distance minimisation made, its folds smoothed away.

@@ -8,6 +8,9 @@ use nalgebra::{Point3, Vector3};
 
 /// Neighbours with which the distance of a point is compared.
 const NEIGHBOURS: usize = 16;
+/// Neighbour whose distance tells how dense points are, and by how much more than usual it may be off.
+const DENSITY: usize = 6;
+const APART: f64 = 4.0;
 /// How many standard deviations of these differences a point may be off (Tukey's biweight gives no weight beyond).
 const OFF: f64 = 4.685;
 /// Median of the absolute value of a normal distribution.
@@ -16,7 +19,8 @@ const MEDIAN: f64 = 0.674_489_75;
 const DECIMALS: f64 = 1e-6;
 
 /// Which of the points that count agree with their neighbours: the signed distance of a point from a surface differs from the median of
-/// the points whose feet are around its own by no more than such differences usually do.
+/// the points whose feet are around its own by no more than such differences usually do, and it is not much farther from its neighbours than
+/// others are.
 ///
 /// A surface that does not resolve a detail, or that outliers have bent, is off for neighbours alike: unlike distances by themselves,
 /// these differences tell outliers apart before the surface is right.
@@ -33,6 +37,7 @@ pub fn consistent(
             return Err(Error::Option { name, value: found as f64, allowed: "one for each point" });
         }
     }
+    let counts = &crowded(points, counts)?;
     let usable = |i: &usize| counts[*i] && feet[*i].status.is_converged() && feet[*i].distance.is_finite();
     let used: Vec<usize> = (0..points.len()).filter(usable).collect();
     let places: Vec<Point3<f64>> = used.iter().map(|&i| feet[i].point.into()).collect();
@@ -57,6 +62,27 @@ pub fn consistent(
         agree[i] = off <= OFF * sigma;
     }
     Ok(agree)
+}
+
+/// The points that count without those whose neighbours are much farther away than usual.
+///
+/// # Errors
+/// [`Error::Cloud`] for more points than can be numbered.
+pub fn crowded(points: &[Vector3<f64>], counts: &[bool]) -> Result<Vec<bool>, Error> {
+    let used: Vec<usize> = (0..points.len()).filter(|&i| counts[i]).collect();
+    let places: Vec<Point3<f64>> = used.iter().map(|&i| points[i].into()).collect();
+    let index = CloudIndex::new(&places)?;
+    let distances = parallel::map(used.len(), |k| {
+        index.nearest_n(&places[k], DENSITY).last().map_or(0.0, |n| n.distance())
+    });
+    let mut sorted = distances.clone();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let limit = sorted.get(sorted.len() / 2).map_or(0.0, |median| APART * median);
+    let mut near = counts.to_vec();
+    for (&i, distance) in used.iter().zip(distances) {
+        near[i] = distance <= limit || limit == 0.0;
+    }
+    Ok(near)
 }
 
 impl SurfaceFit {

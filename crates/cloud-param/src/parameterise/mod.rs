@@ -102,7 +102,8 @@ pub fn parameterise_with_progress(
     let mut clock = Clock { progress, times: Vec::new(), began: Instant::now() };
     clock.enter(Stage::Preparation)?;
     let belongs = measurable(points)?;
-    let finite: Vec<Vector3<f64>> = points.iter().zip(&belongs).filter(|(_, b)| **b).map(|(p, _)| *p).collect();
+    let finite: Vec<Vector3<f64>> =
+        points.iter().zip(&belongs).filter(|(_, b)| **b).map(|(p, _)| *p).collect();
     if finite.len() < LEAST {
         return Err(Error::TooFewPoints { total: points.len(), usable: finite.len(), needed: LEAST });
     }

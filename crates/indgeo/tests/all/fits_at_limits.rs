@@ -10,26 +10,44 @@ use std::f64::consts::TAU;
 #[test]
 fn volumes_and_curves_are_no_surfaces() {
     let bench = Bench::new();
-    bench.put("block.xyz", (0..1000).map(|k| format!("{} {} {}\n", k % 10, k / 10 % 10, k / 100)).collect::<String>());
-    bench.put("ball.xyz", cloud(3000, 51, |next| loop {
-        let p = [0; 3].map(|_| 2.0 * next() - 1.0);
-        if p.iter().map(|c| c * c).sum::<f64>() < 1.0 {
-            return p;
-        }
-    }));
-    bench.put("line.xyz", cloud(500, 52, |next| {
-        let t = next();
-        [t, 2.0 * t + 1.0, 3.0 * t]
-    }));
-    bench.put("circle.xyz", cloud(500, 53, |next| {
-        let a = TAU * next();
-        [a.cos(), a.sin(), 0.5]
-    }));
+    bench.put(
+        "block.xyz",
+        (0..1000).map(|k| format!("{} {} {}\n", k % 10, k / 10 % 10, k / 100)).collect::<String>(),
+    );
+    bench.put(
+        "ball.xyz",
+        cloud(3000, 51, |next| {
+            loop {
+                let p = [0; 3].map(|_| 2.0 * next() - 1.0);
+                if p.iter().map(|c| c * c).sum::<f64>() < 1.0 {
+                    return p;
+                }
+            }
+        }),
+    );
+    bench.put(
+        "line.xyz",
+        cloud(500, 52, |next| {
+            let t = next();
+            [t, 2.0 * t + 1.0, 3.0 * t]
+        }),
+    );
+    bench.put(
+        "circle.xyz",
+        cloud(500, 53, |next| {
+            let a = TAU * next();
+            [a.cos(), a.sin(), 0.5]
+        }),
+    );
     for (name, message) in [("block", "volume"), ("ball", "volume"), ("line", "line"), ("circle", "curve")] {
         for options in ["", "--shape sphere", "--tolerance 0.5"] {
             let run = bench.run(&format!("fit-surface {name}.xyz -o s.json {options}"));
             assert!(run.code == 1 || run.code == 2, "{name} {options}: {}{}", run.stdout, run.stderr);
-            assert!(run.code == 1 || run.stderr.contains(message) || run.stderr.contains("curve"), "{}", run.stderr);
+            assert!(
+                run.code == 1 || run.stderr.contains(message) || run.stderr.contains("curve"),
+                "{}",
+                run.stderr
+            );
         }
         let run = bench.run(&format!("fit-ruled {name}.xyz -o s.json"));
         assert!(run.code == 1 || run.code == 2, "{name}: {}{}", run.stdout, run.stderr);
@@ -60,10 +78,13 @@ fn outliers_are_recognised_before_they_bend_the_surface() {
 #[test]
 fn smoothing_acts() {
     let bench = Bench::new();
-    bench.put("sheet.xyz", cloud(4000, 71, |next| {
-        let (x, y) = (10.0 * next(), 10.0 * next());
-        [x, y, (0.7 * x).sin() + 0.1 * normal(next)]
-    }));
+    bench.put(
+        "sheet.xyz",
+        cloud(4000, 71, |next| {
+            let (x, y) = (10.0 * next(), 10.0 * next());
+            [x, y, (0.7 * x).sin() + 0.1 * normal(next)]
+        }),
+    );
     let mut last = 0.0;
     let mut bytes = Vec::new();
     for smoothing in ["1e-5", "1e-3", "1e-1"] {
@@ -105,8 +126,7 @@ fn one_wild_point_neither_hangs_nor_decides() {
     let tiny = cloud(600, 81, |next| [3e-160 * next(), 2e-160 * next(), 1e-161 * next()]);
     bench.put("tiny.xyz", tiny);
     for command in ["fit-surface", "fit-ruled", "parameterize"] {
-        let out = if command == "parameterize" { "--base" } else { "-o" };
-        let run = bench.run(&format!("{command} tiny.xyz {out} s.json"));
+        let run = bench.run(&format!("{command} tiny.xyz -o s.json"));
         assert_eq!(run.code, 2, "{command}: {}{}", run.stdout, run.stderr);
         assert!(run.stderr.contains("e-160") || run.stderr.contains("e-161"), "{}", run.stderr);
     }
@@ -115,10 +135,13 @@ fn one_wild_point_neither_hangs_nor_decides() {
 #[test]
 fn many_control_points_are_taken_where_there_is_something_to_follow() {
     let bench = Bench::new();
-    bench.put("waves.xyz", cloud(8000, 91, |next| {
-        let (x, y) = (10.0 * next(), 10.0 * next());
-        [x, y, 0.5 * (2.0 * x).sin() * (2.0 * y).cos() + 0.02 * normal(next)]
-    }));
+    bench.put(
+        "waves.xyz",
+        cloud(8000, 91, |next| {
+            let (x, y) = (10.0 * next(), 10.0 * next());
+            [x, y, 0.5 * (2.0 * x).sin() * (2.0 * y).cos() + 0.02 * normal(next)]
+        }),
+    );
     let run = bench.run("fit-surface waves.xyz -o s.json --json -");
     assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
     assert!(number(&results(&run)["rms"]) < 0.024, "{}", results(&run)["rms"]);
@@ -135,7 +158,10 @@ fn models_of_many_pieces_fit_into_memory() {
     // 20,000 plane patches side by side.
     let patch = |k: usize| {
         let (x, y) = ((k % 200) as f64, (k / 200) as f64);
-        let net = serde_json::json!([[[x, y, 0.0], [x, y + 1.0, 0.0]], [[x + 1.0, y, 0.0], [x + 1.0, y + 1.0, 0.0]]]);
+        let net = serde_json::json!([
+            [[x, y, 0.0], [x, y + 1.0, 0.0]],
+            [[x + 1.0, y, 0.0], [x + 1.0, y + 1.0, 0.0]]
+        ]);
         serde_json::json!({
             "kind": "surface", "degree_u": 1, "degree_v": 1, "knots_u": [0, 0, 1, 1], "knots_v": [0, 0, 1, 1],
             "control_points": net,
@@ -192,7 +218,11 @@ fn folded_edges_of_subdivision_surfaces_are_told() {
     let run = bench.run("fit-subdivision ball.obj -o c.obj --vertices 100 --limit l.obj --json -");
     assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
     let found = results(&run);
-    assert_eq!((&found["folded_edges"]["limit"], &found["folded_edges_of_input"]), (&0.into(), &0.into()), "{found}");
+    assert_eq!(
+        (&found["folded_edges"]["limit"], &found["folded_edges_of_input"]),
+        (&0.into(), &0.into()),
+        "{found}"
+    );
     // The area of the unit sphere.
     assert!((number(&found["coverage"]["area"]) - 2.0 * TAU).abs() < 0.1, "{}", found["coverage"]);
     assert_eq!(number(&found["coverage"]["area_without_data"]), 0.0);

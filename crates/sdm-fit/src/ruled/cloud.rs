@@ -1,11 +1,11 @@
 //! Ruled surfaces through clouds of which nothing is known.
 
-use super::fit::{RuledFit, RuledOptions, RuledReport, fit_ruled_within};
 use super::Developability;
+use super::fit::{RuledFit, RuledOptions, RuledReport, fit_ruled_within};
 use super::start::initial_ruled;
 use crate::cloud_kind::{CloudKind, cloud_kind, distance_of_far, measurable};
-use crate::iterate::{Progress, no_progress};
 use crate::coverage_surface::noise_of;
+use crate::iterate::{Progress, no_progress};
 use crate::surface::apart::kept;
 use crate::surface::{SurfaceOptions, cut_to_feet};
 use crate::{BaseShape, Error, Folds, Status, SurfaceCoverage, Target};
@@ -227,8 +227,12 @@ fn judged_again(
 fn count_apart(points: &[Vector3<f64>], belongs: &[bool], fit: &mut RuledFit) {
     let place = fit.surface.control_points().first().copied().unwrap_or_else(Vector3::zeros);
     let report = &mut fit.report.fit;
-    let finite: Vec<(&Vector3<f64>, bool)> =
-        points.iter().zip(belongs).filter(|(p, _)| p.iter().all(|c| c.is_finite())).map(|(p, b)| (p, *b)).collect();
+    let finite: Vec<(&Vector3<f64>, bool)> = points
+        .iter()
+        .zip(belongs)
+        .filter(|(p, _)| p.iter().all(|c| c.is_finite()))
+        .map(|(p, b)| (p, *b))
+        .collect();
     let numbers: Vec<usize> = (0..finite.len()).filter(|&k| finite[k].1).collect();
     report.max_index = numbers.get(report.max_index).copied().unwrap_or(0);
     report.samples = finite.len();

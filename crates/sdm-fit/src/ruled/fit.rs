@@ -3,9 +3,10 @@
 use super::{ActiveRuled, Developability};
 use crate::coverage_surface::noise_of;
 use crate::iterate::{Progress, fit_with_progress, no_progress};
-use crate::polish::polished;
+use crate::polish::{nearly_exact, polished};
 use crate::shape::ActiveShape;
 use crate::surface::given::begun_at;
+use crate::surface::residual_disagreement;
 use crate::{
     Constraints, Error, FitOptions, FitReport, Fitted, Folds, Smoothing, Status, SurfaceCoverage, Target,
 };
@@ -16,8 +17,10 @@ use nurbs_core::BsplineSurface;
 /// Largest factor of an energy that only places rulings where there are no data.
 const TRIFLE: f64 = 1e-8;
 
-/// Damping by default: nothing else keeps straight surfaces from sliding beyond the ends of the data.
-const DAMPING: f64 = 0.01;
+/// Largest share of the squared distances that the fairing is by default, and change of the cost in an iteration that does not matter: where
+/// rulings slide along straight surfaces, the fairing would go on falling for very long.
+const CAP: f64 = 0.1;
+const CHANGE: f64 = 1e-3;
 
 /// How a ruled surface is fitted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,7 +36,7 @@ pub struct RuledOptions {
     /// [`ActiveRuled::with_abs_twist`]; default 0, no penalty.
     pub abs_twist: f64,
     /// The loop; the default takes second derivatives as energy, whose factor falls from 0.01 to a trifle that places rulings
-    /// where there are no data, fairs parameter lines, damps steps a little, and stops after three iterations that change the cost by less than 0.01 %.
+    /// where there are no data, fairs parameter lines, and stops after three iterations that change the cost by less than 0.1 %.
     pub fit: FitOptions,
 }
 
@@ -44,8 +47,8 @@ impl Default for RuledOptions {
             .with_energy([0.0, 1.0, 0.0])
             .with_smoothing(smoothing)
             .with_fairing(1e-4)
-            .with_damping(DAMPING)
-            .with_cost_tolerance(1e-4);
+            .with_fairing_cap(Some(CAP))
+            .with_cost_tolerance(CHANGE);
         Self { section_normal: None, fixed_ends: false, abs_twist: 0.0, fit }
     }
 }
@@ -226,7 +229,8 @@ fn fit_to_points(
         return Ok(fitted);
     }
     let size = points.iter().map(|p| p.amax()).fold(0.0, f64::max);
-    let found = polished(&fitted, target, constraints, &options.fit, size, progress)?;
+    let nearly = nearly_exact(residual_disagreement(points, &fitted.frames)?);
+    let found = polished(&fitted, target, constraints, &options.fit, (size, nearly), progress)?;
     let folds = |fitted: &Fitted<ActiveRuled, 3>| Folds::of(fitted.shape.surface()).count();
     Ok(found.filter(|found| folds(found) <= folds(&fitted)).unwrap_or(fitted))
 }

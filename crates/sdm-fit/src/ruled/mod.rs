@@ -12,7 +12,8 @@ mod start;
 
 pub use active::ActiveRuled;
 pub use cloud::{
-    OffsetPoints, RuledCloudFit, RuledCloudOptions, fit_ruled_cloud, fit_ruled_cloud_with_progress, offset_points,
+    OffsetPoints, RuledCloudFit, RuledCloudOptions, fit_ruled_cloud, fit_ruled_cloud_with_progress,
+    offset_points,
 };
 pub use developability::Developability;
 pub use fit::{RuledFit, RuledOptions, RuledReport, fit_ruled, fit_ruled_with_progress};

@@ -66,11 +66,17 @@ pub fn initial_ruled(
 /// The cylinder with one end turned against the other so that rulings are nearest to the points.
 fn twisted(points: &[Vector3<f64>], cylinder: Base, size: NetSize) -> Result<(f64, Base), Error> {
     let turned = |twist: f64| Base {
-        parameters: cylinder.parameters.iter().map(|&[u, v]| [(u + twist * (v - 0.5)).rem_euclid(1.0), v]).collect(),
+        parameters: cylinder
+            .parameters
+            .iter()
+            .map(|&[u, v]| [(u + twist * (v - 0.5)).rem_euclid(1.0), v])
+            .collect(),
         ..cylinder.clone()
     };
     let rated = |twists: Vec<f64>| -> Result<Vec<(f64, f64)>, Error> {
-        let one = |k: usize| -> Result<(f64, f64), Error> { Ok((misfit(points, &turned(twists[k]), size)?, twists[k])) };
+        let one = |k: usize| -> Result<(f64, f64), Error> {
+            Ok((misfit(points, &turned(twists[k]), size)?, twists[k]))
+        };
         parallel::tasks(twists.len(), one).into_iter().collect()
     };
     let straight = misfit(points, &cylinder, size)?;

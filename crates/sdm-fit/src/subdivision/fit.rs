@@ -4,9 +4,7 @@ use super::folded::check_neighbours;
 use super::{ActiveLoop, FoldedEdges};
 use crate::coverage_surface::noise_of;
 use crate::iterate::{Progress, fit_with_progress, no_progress};
-use crate::{
-    Constraints, Error, FitOptions, FitReport, Fitted, Smoothing, Status, SurfaceCoverage, Target,
-};
+use crate::{Constraints, Error, FitOptions, FitReport, Fitted, Smoothing, Status, SurfaceCoverage, Target};
 use distance_field::PrincipalFrame;
 use mesh_core::{LoopSurface, TriangleMesh};
 use nalgebra::Vector3;
@@ -112,7 +110,8 @@ pub fn fit_subdivision_with_progress(
     };
     let (mut best, mut options) = (None, *options);
     for _ in 0..=AGAIN {
-        let fitted = fit_with_progress(ActiveLoop::new(&start)?, target, &Constraints::none(), &options, progress)?;
+        let fitted =
+            fit_with_progress(ActiveLoop::new(&start)?, target, &Constraints::none(), &options, progress)?;
         let folded = FoldedEdges::of(&fitted.shape.mesh()?)?;
         let is_cancelled = fitted.report.status == Status::Cancelled;
         let fewer = |best: &Option<(Fitted<ActiveLoop, 3>, FoldedEdges)>| {

@@ -92,7 +92,8 @@ mod tests {
 
     #[test]
     fn a_sheet_folded_flat_has_a_folded_edge() {
-        let corners = |x: f64| [[0., 0., 0.], [0., 1., 0.], [1., 0.5, 0.], [x, 0.5, 0.05]].map(Point3::from).to_vec();
+        let corners =
+            |x: f64| [[0., 0., 0.], [0., 1., 0.], [1., 0.5, 0.], [x, 0.5, 0.05]].map(Point3::from).to_vec();
         let mesh = |x: f64| TriangleMesh::new(corners(x), vec![[0, 2, 1], [0, 1, 3]]).unwrap();
         assert_eq!(folded_edges(&mesh(-1.0)), 0);
         assert_eq!(folded_edges(&mesh(1.0)), 1);

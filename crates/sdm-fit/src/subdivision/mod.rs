@@ -10,5 +10,5 @@ mod folded;
 
 pub use active::ActiveLoop;
 pub use coarsen::coarsened;
-pub use folded::{FoldedEdges, folded_edges};
 pub use fit::{SubdivisionFit, fit_subdivision, fit_subdivision_with_progress, subdivision_options};
+pub use folded::{FoldedEdges, folded_edges};

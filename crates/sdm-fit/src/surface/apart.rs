@@ -29,7 +29,8 @@ pub(super) fn with_apart(
     let place = found.surface.control_points().first().copied().unwrap_or_else(Vector3::zeros);
     let mut frames = found.frames.into_iter();
     let invalid = || PrincipalFrame::invalid(FootStatus::InvalidPoint);
-    found.frames = finite.iter().map(|f| if f.1 { frames.next().unwrap_or_else(invalid) } else { invalid() }).collect();
+    found.frames =
+        finite.iter().map(|f| if f.1 { frames.next().unwrap_or_else(invalid) } else { invalid() }).collect();
     let fit = &mut found.report.fit;
     let numbers: Vec<usize> = (0..finite.len()).filter(|&k| finite[k].1).collect();
     fit.max_index = numbers.get(fit.max_index).copied().unwrap_or(0);

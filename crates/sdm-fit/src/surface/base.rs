@@ -1,8 +1,8 @@
 //! Base shapes: parameters of a cloud by projection.
 
 use super::initial::{BaseShape, NetSize, approximate, knots};
-use crate::cloud_kind::tight_axes;
 use crate::Error;
+use crate::cloud_kind::tight_axes;
 use crate::primitive::{PrimitiveOptions, fit_torus, start};
 use nalgebra::{DMatrix, DVector, Vector2, Vector3};
 use nurbs_core::ParametricSurface;
@@ -69,7 +69,8 @@ fn misfit(points: &[Vector3<f64>], base: &Base) -> Option<f64> {
 fn plane(points: &[Vector3<f64>]) -> Base {
     // The principal axes of a square, or of a disk, can be any.
     let (_, axes) = start::principal(points);
-    let [u, v] = tight_axes(points, &axes[2], &axes[0]).map(|axis| unit_range(points.iter().map(|p| p.dot(&axis)).collect()));
+    let [u, v] = tight_axes(points, &axes[2], &axes[0])
+        .map(|axis| unit_range(points.iter().map(|p| p.dot(&axis)).collect()));
     let parameters = u.into_iter().zip(v).map(|(u, v)| [u, v]).collect();
     Base { shape: BaseShape::Plane, parameters }
 }

@@ -1,6 +1,5 @@
 //! Surfaces fitted to clouds.
 
-use super::{ActiveSurface, InitialSurface};
 use super::apart::{kept, with_apart};
 use super::folds::Folds;
 use super::given;
@@ -8,6 +7,7 @@ use super::initial::{BaseShape, NetSize, initial_surface};
 use super::rational::{EXACT, conic_starts, improved};
 use super::runs::{Outcome, Runs, share_within};
 use super::tolerance::fit_to_tolerance;
+use super::{ActiveSurface, InitialSurface};
 use crate::cloud_kind::{CloudKind, cloud_kind, measurable};
 use crate::coverage_surface::{SurfaceCoverage, noise_of};
 use crate::iterate::{Progress, no_progress};
@@ -254,7 +254,8 @@ fn conic(
             if start.control_points().len() > points.len() {
                 continue;
             }
-            let found = fit_surface_with_progress(points, start, &options.with_abs_tolerance(None), progress)?;
+            let found =
+                fit_surface_with_progress(points, start, &options.with_abs_tolerance(None), progress)?;
             let net = found.surface.control_points();
             let size = net.iter().map(|p| (p - net[0]).amax()).fold(0.0, f64::max);
             if found.report.fit.rms <= EXACT * size || found.report.fit.status == Status::Cancelled {
@@ -327,7 +328,14 @@ fn fit_belonging(
         let (found, status, steps) = improved(&local, surface, progress)?;
         let report = found.report(None, status, steps);
         let folds = Folds::of(&found.surface);
-        return concluded(found.surface, found.frames, report, Run { runs: 1, folds }, options, (&middle, &local));
+        return concluded(
+            found.surface,
+            found.frames,
+            report,
+            Run { runs: 1, folds },
+            options,
+            (&middle, &local),
+        );
     }
     if surface.weights().is_none()
         && let Some((frames, report)) = given::exact(&local, &surface, &options.fit)?

@@ -24,7 +24,10 @@ pub(super) fn exact(
     surface: &BsplineSurface,
     options: &FitOptions,
 ) -> Result<Option<(Vec<PrincipalFrame<3>>, FitReport)>, Error> {
-    if !may_vanish(options.smoothing) || points.is_empty() || points.iter().any(|p| !p.iter().all(|c| c.is_finite())) {
+    if !may_vanish(options.smoothing)
+        || points.is_empty()
+        || points.iter().any(|p| !p.iter().all(|c| c.is_finite()))
+    {
         return Ok(None);
     }
     let field = SurfaceField::new(surface)?;
@@ -72,7 +75,9 @@ pub(crate) fn begun_at<S: ActiveShape<3>>(
     let left = rms(&shape.frames(&start::thinned(points, ASKED), Search::Global, &[])?);
     let most = first.min(left * left / bend);
     Ok(match options.smoothing {
-        Smoothing::Continuation { factor, floor, .. } => Smoothing::Continuation { start: most.max(floor), factor, floor },
+        Smoothing::Continuation { factor, floor, .. } => {
+            Smoothing::Continuation { start: most.max(floor), factor, floor }
+        }
         Smoothing::Automatic { factor, .. } => Smoothing::Automatic { start: most, factor },
         fixed @ Smoothing::Fixed { .. } => fixed,
     })

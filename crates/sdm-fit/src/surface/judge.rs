@@ -26,7 +26,10 @@ pub struct SurfaceCost {
 ///
 /// # Errors
 /// [`Error::Field`] and [`Error::Shape`] for surfaces that cannot be projected onto.
-pub fn surface_frames(surface: &BsplineSurface, points: &[Vector3<f64>]) -> Result<Vec<PrincipalFrame<3>>, Error> {
+pub fn surface_frames(
+    surface: &BsplineSurface,
+    points: &[Vector3<f64>],
+) -> Result<Vec<PrincipalFrame<3>>, Error> {
     Ok(SurfaceField::new(surface)?.frames(points, Search::Global, &[]))
 }
 
@@ -94,7 +97,10 @@ pub fn residual_disagreement(points: &[Vector3<f64>], frames: &[PrincipalFrame<3
 ///
 /// # Errors
 /// [`Error::Shape`] never, but that surfaces are checked when they are made.
-pub fn cut_to_feet(surface: &BsplineSurface, frames: &[PrincipalFrame<3>]) -> Result<Option<BsplineSurface>, Error> {
+pub fn cut_to_feet(
+    surface: &BsplineSurface,
+    frames: &[PrincipalFrame<3>],
+) -> Result<Option<BsplineSurface>, Error> {
     /// Share of the domain that is worth a cut.
     const WORTH: f64 = 1e-3;
     let mut found = None;
@@ -113,9 +119,11 @@ pub fn cut_to_feet(surface: &BsplineSurface, frames: &[PrincipalFrame<3>]) -> Re
                 let t = other.lerp(f64::from(k) / 8.0);
                 if d == 0 { surface.point(at, t) } else { surface.point(t, at) }
             };
-            (1..=8).all(|k| (place(k) - place(0)).norm() <= 1e-9 * surface.control_points()[0].norm().max(1.0))
+            (1..=8)
+                .all(|k| (place(k) - place(0)).norm() <= 1e-9 * surface.control_points()[0].norm().max(1.0))
         };
-        let from = if low > domain.start() + least && !is_pole(domain.start()) { low } else { domain.start() };
+        let from =
+            if low > domain.start() + least && !is_pole(domain.start()) { low } else { domain.start() };
         let to = if high < domain.end() - least && !is_pole(domain.end()) { high } else { domain.end() };
         if (from > domain.start() || to < domain.end()) && to - from > 0.5 * domain.length() {
             let current = found.as_ref().unwrap_or(surface);

@@ -22,8 +22,8 @@ pub use fit::{
     fit_surface_with_progress,
 };
 pub use folds::Folds;
-pub(crate) use initial::{approximate, centred, knots};
 pub use initial::{BaseShape, InitialSurface, NetSize, initial_surface};
+pub(crate) use initial::{approximate, centred, knots};
 pub use judge::{
     SurfaceCost, SurfaceDistances, cut_to_feet, residual_disagreement, surface_costs, surface_frames,
 };

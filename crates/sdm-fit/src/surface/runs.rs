@@ -3,8 +3,9 @@
 use super::ActiveSurface;
 use super::fit::SurfaceOptions;
 use super::folds::Folds;
+use super::judge::residual_disagreement;
 use crate::iterate::{Progress, fit_with_progress};
-use crate::polish::polished;
+use crate::polish::{nearly_exact, polished};
 use crate::shape::ActiveShape;
 use crate::{Constraints, Error, FitOptions, Fitted, Smoothing, Status, StepRecord, Target};
 use distance_field::PrincipalFrame;
@@ -96,8 +97,15 @@ impl<'a> Runs<'a> {
     /// Goes on without any energy where the points lie on the surface nearly exactly, if that makes it exact and leaves no folds.
     pub(super) fn polished(&mut self, outcome: Outcome, size: f64) -> Result<Outcome, Error> {
         let constraints = self.constraints(&outcome.fitted.shape);
-        let found =
-            polished(&outcome.fitted, self.target, &constraints, &self.options.fit, size, self.progress)?;
+        let nearly = nearly_exact(residual_disagreement(self.points(), &outcome.fitted.frames)?);
+        let found = polished(
+            &outcome.fitted,
+            self.target,
+            &constraints,
+            &self.options.fit,
+            (size, nearly),
+            self.progress,
+        )?;
         let Some(fitted) = found else { return Ok(outcome) };
         let folds = Folds::of(fitted.shape.surface());
         if folds.count() > outcome.folds.count() {

@@ -22,7 +22,7 @@ pub(super) fn fit_to_tolerance(
     let options = runs.options;
     let mut outcome = runs.stage(surface, false)?;
     let mut best: Option<Outcome> = None;
-    let mut unfoldings = 0;
+    let (mut unfoldings, mut is_noise) = (0, false);
     while !outcome.is_cancelled() {
         let good = outcome.is_good(options);
         if good && (outcome.folds.count() == 0 || unfoldings >= UNFOLDINGS) {
@@ -32,7 +32,10 @@ pub(super) fn fit_to_tolerance(
         let folded: &[[usize; 2]] = if good { &outcome.folds.folded } else { &[] };
         let (shape, frames) = (outcome.fitted.shape.surface(), &outcome.fitted.frames);
         let followed = without_noise(runs.points(), frames, tolerance)?;
-        let Some(finer) = refined(shape, &followed, (tolerance, folded), options.max_controls)? else { break };
+        is_noise = followed.iter().all(|f| f.distance.abs() <= tolerance);
+        let Some(finer) = refined(shape, &followed, (tolerance, folded), options.max_controls)? else {
+            break;
+        };
         let next = runs.stage(finer, true)?;
         if good {
             unfoldings += 1;
@@ -58,7 +61,12 @@ pub(super) fn fit_to_tolerance(
         return Ok(outcome);
     }
     let last = outcome.fitted.shape.surface().clone();
-    let last = if knots_were_inserted { runs.last(last)? } else { runs.run(last)? };
+    let few_steps = knots_were_inserted && !is_noise;
+    let last = if few_steps { runs.last(last)? } else { runs.run(last)? };
+    // Where only noise is beyond the tolerance, what it asks for counts, not the distance.
+    if is_noise && !outcome.is_good(options) && last.folds.count() <= outcome.folds.count() {
+        return Ok(last);
+    }
     Ok(better(outcome, last, runs))
 }
 
@@ -83,8 +91,9 @@ fn without_noise(
         let here = points[i] - frame.foot;
         let near = index.nearest_n(&places[i], NEIGHBOURS + 1);
         let others = near.iter().filter(|n| n.index != i);
-        let mut along: Vec<f64> =
-            others.map(|n| (points[n.index] - frames[n.index].foot).dot(&here) / here.norm_squared()).collect();
+        let mut along: Vec<f64> = others
+            .map(|n| (points[n.index] - frames[n.index].foot).dot(&here) / here.norm_squared())
+            .collect();
         along.sort_unstable_by(f64::total_cmp);
         along.get(along.len() / 2).is_none_or(|median| *median >= ALIKE)
     };

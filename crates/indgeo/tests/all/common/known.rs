@@ -23,10 +23,15 @@ impl Surface {
         let weights: Option<Vec<Vec<f64>>> = serde_json::from_value(json["weights"].clone()).unwrap();
         let weight = |i: usize, j: usize| weights.as_ref().map_or(1.0, |w| w[i][j]);
         let point = |(i, row): (usize, &Vec<P>)| {
-            row.iter().enumerate().map(|(j, p)| (weight(i, j), p)).map(|(w, p)| [w * p[0], w * p[1], w * p[2], w]).collect()
+            row.iter()
+                .enumerate()
+                .map(|(j, p)| (weight(i, j), p))
+                .map(|(w, p)| [w * p[0], w * p[1], w * p[2], w])
+                .collect()
         };
         Self {
-            degrees: ["degree_u", "degree_v"].map(|key| usize::try_from(json[key].as_u64().unwrap()).unwrap()),
+            degrees: ["degree_u", "degree_v"]
+                .map(|key| usize::try_from(json[key].as_u64().unwrap()).unwrap()),
             knots: [numbers(&json["knots_u"]), numbers(&json["knots_v"])],
             net: net.iter().enumerate().map(point).collect(),
         }
@@ -34,7 +39,8 @@ impl Surface {
 
     fn de_boor(degree: usize, knots: &[f64], points: &[[f64; 4]], t: f64) -> [f64; 4] {
         let last = knots.len() - degree - 2;
-        let span = (degree..=last).rev().find(|&k| knots[k] <= t && knots[k] < knots[k + 1]).unwrap_or(degree);
+        let span =
+            (degree..=last).rev().find(|&k| knots[k] <= t && knots[k] < knots[k + 1]).unwrap_or(degree);
         let mut d: Vec<[f64; 4]> = (0..=degree).map(|j| points[j + span - degree]).collect();
         for r in 1..=degree {
             for j in (r..=degree).rev() {
