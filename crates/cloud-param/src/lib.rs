@@ -34,6 +34,7 @@ mod multilevel;
 mod neighbourhood;
 pub(crate) mod parallel;
 mod parameterise;
+mod plane_frame;
 mod section;
 mod shape;
 mod surface;
@@ -48,8 +49,8 @@ pub use defects::{SurfaceDefects, self_loops};
 pub use directed::{DirectedFoot, DirectedOptions, DirectedWeight, project_directed};
 pub use error::Error;
 pub use fit::{
-    FinishOutcome, FinishReport, FitOptions, SurfaceFit, finish_fit, finish_fit_with_progress,
-    finish_options, fit_parameters,
+    FinishOutcome, FinishReport, FitOptions, SurfaceFit, consistent, crowded, finish_fit,
+    finish_fit_with_progress, finish_options, fit_parameters,
 };
 pub use frame::AxisFrame;
 pub use hull::ConvexHull;

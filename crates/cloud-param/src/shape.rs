@@ -1,8 +1,9 @@
 //! What kind of surface a cloud is.
 
+use crate::plane_frame::plane_frame;
 use crate::section::Section;
 use crate::{AxisEstimate, AxisFrame, Error, MultilevelOptions, Neighbourhood, Weighting, multilevel};
-use nalgebra::{Matrix3, SymmetricEigen, Vector2, Vector3};
+use nalgebra::{Vector2, Vector3};
 use std::f64::consts::{PI, TAU};
 
 /// The kind of base surface.
@@ -136,23 +137,9 @@ pub fn decide(cloud: &Neighbourhood, axis: &AxisEstimate) -> Result<ShapeDecisio
     })
 }
 
-/// The frame of the principal plane: its third axis is the direction in which the cloud extends least.
-pub(crate) fn principal_frame(points: &[Vector3<f64>]) -> Result<AxisFrame, Error> {
-    let centre = points.iter().sum::<Vector3<f64>>() / points.len().max(1) as f64;
-    let size = points.iter().map(|p| (p - centre).norm()).fold(0.0, f64::max);
-    let scatter: Matrix3<f64> = points.iter().map(|p| (p - centre) / size).map(|d| d * d.transpose()).sum();
-    if size == 0.0 || !scatter.iter().all(|v| v.is_finite()) {
-        return Err(Error::Shape { wanted: "a surface", why: "all of its points coincide".into() });
-    }
-    let eigen = SymmetricEigen::new(scatter);
-    let normal = eigen.eigenvectors.column(eigen.eigenvalues.imin()).into_owned();
-    let normal = if normal[normal.iamax()] < 0.0 { -normal } else { normal };
-    AxisFrame::new(centre, &normal)
-}
-
 /// What a height field over the principal plane leaves, in spacings.
 fn flatness(cloud: &Neighbourhood) -> Result<f64, Error> {
-    let frame = principal_frame(cloud.points())?;
+    let frame = plane_frame(cloud.points())?;
     let local: Vec<Vector3<f64>> = cloud.points().iter().map(|p| frame.to_local(p)).collect();
     let options = MultilevelOptions::default().with_weighting(Weighting::Squared).with_data_per_piece(6.0);
     Ok(match multilevel(&local, None, &options) {

@@ -4,14 +4,16 @@ use crate::error::Error;
 use crate::files;
 use crate::report::{Input, Output, Report, Timings};
 use crate::wording::{counted, not_finite};
+use industrial_geometry::fit::SurfaceCoverage;
 use industrial_geometry::io::{Content, Model, ReadOptions, Shape, WriteOptions};
 use industrial_geometry::mesh::TriangleMesh;
 use industrial_geometry::nurbs::nalgebra::Vector3;
 use industrial_geometry::nurbs::{BsplineSurface, ParametricSurface};
 use std::path::Path;
 
-/// Points per direction that are taken from a NURBS surface.
+/// Points per direction that are taken from a NURBS surface, and at most from all surfaces of a file.
 const SAMPLES: usize = 120;
+const MOST_SAMPLES: usize = 300_000;
 
 /// Points to be fitted, in space.
 #[derive(Debug)]
@@ -56,11 +58,19 @@ impl Scan {
 
     fn sampled(model: Model, path: &Path) -> Result<Self, Error> {
         let (mut points, mut normals) = (Vec::new(), Vec::new());
-        for surface in surfaces(model) {
+        let surfaces: Vec<BsplineSurface> = surfaces(model).collect();
+        let most = (MOST_SAMPLES / surfaces.len().max(1)).isqrt();
+        if !surfaces.is_empty() && most == 0 {
+            let what =
+                format!("{} are more than points can be taken from", counted(surfaces.len(), "surface"));
+            return Err(Error::content(path, what, "give a part of them"));
+        }
+        let samples = SAMPLES.min(most);
+        for surface in surfaces {
             let [u, v] = surface.domain();
-            let share = |k: usize| (k as f64 + 0.5) / SAMPLES as f64;
-            for k in 0..SAMPLES * SAMPLES {
-                let jet = surface.jet(u.lerp(share(k / SAMPLES)), v.lerp(share(k % SAMPLES)));
+            let share = |k: usize| (k as f64 + 0.5) / samples as f64;
+            for k in 0..samples * samples {
+                let jet = surface.jet(u.lerp(share(k / samples)), v.lerp(share(k % samples)));
                 points.push(jet.point);
                 normals.push(jet.du.cross(&jet.dv));
             }
@@ -122,6 +132,17 @@ pub(crate) fn warn_undetermined(path: &Path, points: usize, [u, v]: [usize; 2], 
             counted(points, "point")
         ));
     }
+}
+
+/// Says when parts of a surface are without data; returns whether there are any.
+pub(crate) fn warn_incomplete(coverage: Option<&SurfaceCoverage>, report: &mut Report) -> bool {
+    let Some(found) = coverage.filter(|coverage| !coverage.is_complete()) else { return false };
+    report.warnings.push(format!(
+        "parts of the surface are without data: {:.3e} of its area {:.3e}, up to {:.3e} ({:.1} spacings of the points) from the nearest \
+         point; scan what is missing, or give another start (--init), --shape or fewer control points",
+        found.area_without_data, found.area, found.max, found.max_in_spacings
+    ));
+    true
 }
 
 /// Writes a curve or surface.

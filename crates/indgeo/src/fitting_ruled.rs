@@ -2,17 +2,24 @@
 
 use crate::error::Error;
 use crate::fit_numbers::{FitNumbers, FitVerdict, Within, told};
-use crate::fitting_input::{Scan, check_paths, put_model, start_surface, warn_dropped, warn_undetermined};
+use crate::fitting_input::{
+    Scan, check_paths, put_model, start_surface, warn_dropped, warn_incomplete, warn_undetermined,
+};
 use crate::progress::Progress;
 use crate::report::{Report, Results, Timings};
 use crate::wording::counted;
 use industrial_geometry::fit::ruled::{
     Developability, RuledCloudOptions, fit_ruled_cloud_with_progress, offset_points,
 };
-use industrial_geometry::fit::{BaseShape, Error as FitError, Folds, StepRecord};
+use industrial_geometry::fit::{
+    BaseShape, Error as FitError, Folds, StepRecord, SurfaceCoverage, SurfaceDistances,
+};
 use industrial_geometry::nurbs::nalgebra::Vector3;
 use serde::Serialize;
 use std::path::Path;
+
+/// Below this residuals of neighbours are alike, where 1 is noise.
+const NOISE: f64 = 0.5;
 
 /// What is to be done.
 #[derive(Debug)]
@@ -47,6 +54,8 @@ pub(crate) struct RuledResults {
     pub(crate) developability: Developability,
     /// Cells in which the surface folds.
     pub(crate) folds: Folds,
+    /// How near the parts of the surface are to the points.
+    pub(crate) coverage: Option<SurfaceCoverage>,
     /// Points of the offset that a cutter cannot reach.
     pub(crate) gouging: usize,
 }
@@ -71,7 +80,11 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Erro
     drop(progress);
     let found = found.map_err(|error| refused(job, &error))?;
     warn_dropped(job.points, found.dropped, count, report);
-    let folds = Folds::of(&found.fit.surface);
+    let distances = Timings::measure(&mut report.timings.compute, || {
+        SurfaceDistances::of(&found.fit.surface, &points, job.options.ruled.fit.robust)
+    });
+    let distances = distances.map_err(|error| refused(job, &error))?;
+    let folds = found.fit.report.folds.clone();
     if folds.count() > 0 {
         report.warnings.push(format!(
             "the surface folds back on itself, or has an edge sharper than a right angle, in {} of {}",
@@ -93,7 +106,18 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Erro
     };
     let fit = FitNumbers::new(fitted.fit, found.dropped, 0, within);
     report.count_points("points", fit.points_dropped, fit.points_used);
-    let verdict = fit.verdict();
+    let incomplete = warn_incomplete(fitted.coverage.as_ref(), report);
+    // One that is off for neighbours alike, by more than they are apart, does not follow them.
+    let spacing = fitted.coverage.map_or(f64::INFINITY, |coverage| coverage.spacing);
+    let far = job.options.abs_tolerance.is_none() && fit.rms > spacing && distances.disagreement < NOISE;
+    if far {
+        report.warnings.push(format!(
+            "the points are {:.3e} from the surface on average, farther than they are from each other: it does not follow them; take more \
+             sections or control points, or give a tolerance",
+            fit.rms
+        ));
+    }
+    let verdict = fit.verdict().without(far || incomplete || folds.count() > 0);
     report.results = Some(Results::Ruled(Box::new(RuledResults {
         fit,
         base: found.base,
@@ -101,6 +125,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Erro
         runs: found.runs,
         developability: fitted.developability,
         folds,
+        coverage: fitted.coverage,
         gouging,
     })));
     Ok(verdict)

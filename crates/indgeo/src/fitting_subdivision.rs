@@ -3,12 +3,16 @@
 use crate::error::Error;
 use crate::files;
 use crate::fit_numbers::{FitNumbers, FitVerdict, Within, told};
-use crate::fitting_input::{Scan, check_paths, warn_dropped};
+use crate::fitting_input::{Scan, check_paths, warn_dropped, warn_incomplete};
 use crate::progress::Progress;
 use crate::report::{Input, Output, Report, Results, Timings};
 use crate::wording::counted;
-use industrial_geometry::fit::subdivision::{coarsened, fit_subdivision_with_progress};
-use industrial_geometry::fit::{Error as FitError, FitOptions, StepRecord, Target};
+use industrial_geometry::fit::subdivision::{
+    FoldedEdges, coarsened, fit_subdivision_with_progress, folded_edges,
+};
+use industrial_geometry::fit::{
+    Error as FitError, FitOptions, StepRecord, SurfaceCoverage, Target, measurable,
+};
 use industrial_geometry::io::{Content, Format, ReadOptions, WriteOptions};
 use industrial_geometry::mesh::{Error as MeshError, HalfEdgeMesh, LoopScheme, TriangleMesh};
 use industrial_geometry::nurbs::nalgebra::Vector3;
@@ -56,6 +60,12 @@ pub(crate) struct SubdivisionResults {
     pub(crate) irregular: usize,
     /// `coarsened` or `given`.
     pub(crate) start: &'static str,
+    /// Edges at which the result folds back on itself: of the control mesh and of that of the limit surface.
+    pub(crate) folded_edges: FoldedEdges,
+    /// The same of the mesh of the input, if it is one.
+    pub(crate) folded_edges_of_input: Option<usize>,
+    /// How near the parts of the surface are to the points.
+    pub(crate) coverage: Option<SurfaceCoverage>,
 }
 
 /// Does the job and fills in the report; returns whether the surface is what was asked for.
@@ -67,7 +77,20 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Erro
     let points: Vec<Vector3<f64>> =
         scan.points.iter().filter(|p| p.iter().all(|c| c.is_finite())).copied().collect();
     let dropped = scan.points.len() - points.len();
+    let belongs = measurable(&points).map_err(|error| refused(job, &error))?;
+    let finite = points.len();
+    let points: Vec<Vector3<f64>> =
+        points.into_iter().zip(belongs).filter(|(_, b)| *b).map(|(p, _)| p).collect();
+    let apart = finite - points.len();
+    if apart > 0 {
+        report.warnings.push(format!(
+            "{}: {} so far away that they cannot belong to the surface: not used",
+            job.points.display(),
+            counted(apart, "point")
+        ));
+    }
     warn_dropped(job.points, dropped, scan.points.len(), report);
+    let folded_edges_of_input = scan.mesh.as_ref().map(folded_edges);
     let given = job.init.map(|path| control(path, report)).transpose()?;
     let start = if given.is_some() { "given" } else { "coarsened" };
     let progress = Progress::iterations("fitting", job.quiet);
@@ -89,7 +112,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Erro
     drop(progress);
     let found = found?;
     let within = |t: f64| found.frames.iter().filter(|f| f.distance.abs() <= t).count();
-    let share_within = job.tolerance.map(|t| within(t) as f64 / found.frames.len().max(1) as f64);
+    let share_within = job.tolerance.map(|t| within(t) as f64 / finite.max(1) as f64);
     let within = Within {
         tolerance: job.tolerance,
         share: share_within,
@@ -109,12 +132,27 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Erro
     }
     let fit = FitNumbers::new(found.report, dropped, 0, within);
     report.count_points("points", fit.points_dropped, fit.points_used);
-    let verdict = fit.verdict();
+    let distances: Vec<f64> = found.frames.iter().map(|f| f.distance).collect();
+    let noise = SurfaceCoverage::noise_of(&distances);
+    let coverage = SurfaceCoverage::of_subdivision(&found.surface, &points, noise, job.tolerance);
+    let coverage = Some(coverage.map_err(|error| refused(job, &error))?);
+    let incomplete = warn_incomplete(coverage.as_ref(), report);
+    let folded = found.folded.limit > folded_edges_of_input.unwrap_or(0);
+    if folded {
+        report.warnings.push(format!(
+            "the limit surface folds back on itself at {}; take more --vertices, or a larger --smoothing",
+            counted(found.folded.limit, "edge")
+        ));
+    }
+    let verdict = fit.verdict().without(folded || incomplete || apart > 0);
     report.results = Some(Results::Subdivision(Box::new(SubdivisionResults {
         triangles: found.mesh.triangles().len(),
         irregular: (0u32..).take(vertices).filter(irregular).count(),
         vertices,
         start,
+        folded_edges: found.folded,
+        folded_edges_of_input,
+        coverage,
         fit,
     })));
     Ok(verdict)

@@ -3,13 +3,16 @@
 use crate::between_vertices::between_vertices;
 use crate::error::Error;
 use crate::fit_numbers::{FitNumbers, FitVerdict, Within, told};
-use crate::fitting_input::{Scan, check_paths, put_model, start_surface, warn_dropped, warn_undetermined};
+use crate::fitting_input::{
+    Scan, check_paths, put_model, start_surface, warn_dropped, warn_incomplete, warn_undetermined,
+};
 use crate::progress::Progress;
 use crate::report::{Report, Results, Timings};
 use crate::surface_start::{Refusal, Start, from_cloud};
 use crate::wording::counted;
 use industrial_geometry::fit::{
-    BaseShape, Error as FitError, Folds, StepRecord, SurfaceOptions, fit_surface_with_progress, with_controls,
+    BaseShape, Error as FitError, Folds, StepRecord, SurfaceCoverage, SurfaceOptions,
+    fit_surface_with_progress, with_controls,
 };
 use serde::Serialize;
 use std::path::Path;
@@ -21,7 +24,7 @@ pub(crate) struct Job<'a> {
     pub(crate) points: &'a Path,
     /// File of the surface to start from.
     pub(crate) init: Option<&'a Path>,
-    /// Control points that the surface to start from shall have.
+    /// Control points that the surface shall have, if that was chosen.
     pub(crate) controls: Option<[usize; 2]>,
     /// File of the surface.
     pub(crate) out: Option<&'a Path>,
@@ -47,6 +50,8 @@ pub(crate) struct SurfaceResults {
     pub(crate) runs: usize,
     /// Cells in which the surface folds back on itself.
     pub(crate) folds: Folds,
+    /// How near the parts of the surface are to the points.
+    pub(crate) coverage: Option<SurfaceCoverage>,
 }
 
 /// Does the job and fills in the report; returns whether the surface is what was asked for.
@@ -75,10 +80,12 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Erro
                 (found.surface, found.report)
             })
         }
-        None => from_cloud(&points, &job.options, &tell).map(|(surface, fitted, start)| {
-            from = Some(start);
-            (surface, fitted)
-        }),
+        None => from_cloud(&points, &job.options, job.controls.is_some(), &tell).map(
+            |(surface, fitted, start)| {
+                from = Some(start);
+                (surface, fitted)
+            },
+        ),
     });
     drop(progress);
     let (surface, fitted) = found.map_err(|refusal| match refusal {
@@ -105,16 +112,17 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Erro
         let content = format!("B-spline surface, {} × {}", fitted.controls[0], fitted.controls[1]);
         put_model(path, surface, content, report)?;
     }
-    let far = job.options.abs_tolerance.is_none() && from.as_ref().is_some_and(|s| s.is_far(fitted.fit.rms));
-    if far {
+    let unresolved = job.options.abs_tolerance.is_none() && from.as_ref().is_some_and(|s| s.unresolved);
+    if unresolved {
         report.warnings.push(format!(
-            "the points are {:.3e} from the surface on average, farther than they are from each other: it does not follow them; take \
-             more control points or another --shape",
+            "the points are {:.3e} from the surface on average, farther than they are from each other, and neighbours alike: it does not \
+             follow them; take more control points or another --shape",
             fitted.fit.rms
         ));
     }
-    let doubtful = from.as_ref().is_some_and(|start| start.doubtful);
-    let faults = far || doubtful || fitted.folds.count() > 0;
+    let incomplete = warn_incomplete(fitted.coverage.as_ref(), report);
+    let beginning = from.as_ref().is_some_and(|start| start.doubtful || start.far > 0);
+    let faults = unresolved || beginning || incomplete || fitted.folds.count() > 0;
     let within = Within {
         tolerance: job.options.abs_tolerance,
         share: fitted.share_within,
@@ -130,6 +138,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Erro
         control_points: fitted.controls,
         runs: fitted.runs,
         folds: fitted.folds,
+        coverage: fitted.coverage,
     })));
     Ok(verdict)
 }

@@ -5,6 +5,7 @@ use crate::error::Error;
 use crate::files;
 use crate::fit_numbers::FitVerdict;
 use crate::fit_numbers::told;
+use crate::fitting_input::warn_incomplete;
 use crate::output::{self, Format, ParameterTable};
 use crate::points::Points;
 use crate::progress::Progress;
@@ -15,7 +16,7 @@ use industrial_geometry::cloud_param::{
     Stage, SurfaceDefects, SurfaceFit, finish_fit_with_progress, finish_options, fit_parameters,
     parameterise_with_progress,
 };
-use industrial_geometry::fit::{Status, StepRecord};
+use industrial_geometry::fit::{Robust, Status, StepRecord, SurfaceCoverage, SurfaceDistances, measurable};
 use industrial_geometry::inspection::{Rounding, percent_of_share};
 use industrial_geometry::io::{Content, Model, WriteOptions};
 use industrial_geometry::mesh::TriangleMesh;
@@ -78,6 +79,10 @@ pub(crate) struct FitResults {
     pub(crate) least_squares: LeastSquares,
     /// How the finish went, if there was one.
     pub(crate) finish: Option<FinishReport>,
+    /// How near the parts of the surface are to the points.
+    pub(crate) coverage: SurfaceCoverage,
+    /// Points that were left out, and are on no part of the surface.
+    pub(crate) points_far: usize,
 }
 
 /// A least squares surface in numbers.
@@ -169,7 +174,8 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Erro
     timings.write = seconds;
     report.timings = timings;
     let follows = found.is_converged();
-    let results = results(found, samples.len(), fitted, job.fit);
+    let left_out = found.report.strays + found.report.beyond_ends;
+    let results = results(&cloud, found, samples.len(), fitted, job.fit).map_err(failed)?;
     if let Some(finish) = results.fit.as_ref().and_then(|fit| fit.finish.as_ref()) {
         kept(finish, report);
     }
@@ -180,7 +186,20 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Erro
             counted(folded, "cell")
         ));
     }
-    let verdict = FitVerdict::Good.without(!follows || folded > 0);
+    let mut incomplete = false;
+    if let Some(fit) = &results.fit {
+        incomplete = warn_incomplete(Some(&fit.coverage), report) || fit.points_far > 0;
+        if fit.points_far > 0 {
+            report.warnings.push(format!(
+                "{}: {} are on no part of the fitted surface",
+                job.points.display(),
+                counted(fit.points_far, "point")
+            ));
+        }
+    }
+    // Without a fitted surface the parameters are the result, and every point is to have them.
+    let incomplete = incomplete || results.fit.is_none() && left_out > 0;
+    let verdict = FitVerdict::Good.without(!follows || folded > 0 || incomplete);
     let found = &results.found;
     report.count_points("points", found.dropped, found.used.saturating_sub(samples.len()));
     report.results = Some(Results::Parameters(Box::new(results)));
@@ -239,22 +258,35 @@ pub(crate) fn kept(finish: &FinishReport, report: &mut Report) {
 }
 
 fn results(
+    cloud: &[Vector3<f64>],
     found: Parameterisation,
     added: usize,
     fitted: Option<Fitted>,
     options: FitOptions,
-) -> ParameterResults {
-    let fit = fitted.map(|(fit, least_squares, finish)| FitResults {
-        control_points: options.control_points,
-        defects: SurfaceDefects::of(&fit.surface, None),
-        history: fit.history,
-        rms: fit.rms,
-        max: fit.max,
-        points_used: fit.used,
-        least_squares,
-        finish,
-    });
-    ParameterResults { found: found.report, points_added: added, fit }
+) -> Result<ParameterResults, cloud_param::Error> {
+    let judged = |(fit, least_squares, finish): Fitted| -> Result<FitResults, cloud_param::Error> {
+        let all = SurfaceDistances::of(&fit.surface, cloud, Robust::None)?;
+        let belongs = measurable(cloud)?;
+        let kept: Vec<Vector3<f64>> =
+            cloud.iter().zip(belongs).filter(|(_, b)| *b).map(|(p, _)| *p).collect();
+        let noise = SurfaceCoverage::noise_of(&all.distances);
+        let coverage = SurfaceCoverage::of_surface(&fit.surface, &kept, noise, None)?;
+        let is_far = |i: &usize| !found.counts[*i] && all.distances[*i] > coverage.limit;
+        Ok(FitResults {
+            control_points: options.control_points,
+            defects: SurfaceDefects::of(&fit.surface, None),
+            history: fit.history,
+            rms: fit.rms,
+            max: all.max,
+            points_used: fit.used,
+            least_squares,
+            finish,
+            points_far: (0..cloud.len()).filter(is_far).count(),
+            coverage,
+        })
+    };
+    let fit = fitted.map(judged).transpose()?;
+    Ok(ParameterResults { found: found.report, points_added: added, fit })
 }
 
 fn surface(path: &Path, surface: &BsplineSurface, content: &str, report: &mut Report) -> Result<(), Error> {

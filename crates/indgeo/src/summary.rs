@@ -10,8 +10,8 @@ use crate::registration_report::RegistrationResults;
 use crate::report::{ProjectionResults, Report, Results};
 use crate::views_report::ViewsResults;
 use crate::wording::counted;
-use industrial_geometry::fit::Folds;
 use industrial_geometry::fit::curve::CurveReport;
+use industrial_geometry::fit::{Folds, SurfaceCoverage};
 use industrial_geometry::inspection::{
     Inspection, Outcome, Rounding, Tolerance, percent, percent_in_full, percent_of_share,
 };
@@ -279,6 +279,7 @@ fn write_parameters(text: &mut String, report: &Report, results: &ParameterResul
             plain(fit.rms),
             plain(fit.max)
         )?;
+        write_coverage(text, Some(&fit.coverage))?;
         if let Some(finish) = &fit.finish {
             let least_squares = &fit.least_squares;
             writeln!(
@@ -323,6 +324,7 @@ fn write_surface(text: &mut String, report: &Report, results: &SurfaceResults) -
         )?;
     }
     write_distances(text, fit)?;
+    write_coverage(text, results.coverage.as_ref())?;
     write_folds(text, &results.folds)?;
     write_end(text, report)
 }
@@ -338,6 +340,7 @@ fn write_ruled(text: &mut String, report: &Report, found: &RuledResults) -> std:
     )?;
     writeln!(text, "  start     {}", found.base.map_or("the surface given", |base| base.name()))?;
     write_distances(text, fit)?;
+    write_coverage(text, found.coverage.as_ref())?;
     writeln!(text, "  rulings   {}", found.developability)?;
     write_folds(text, &found.folds)?;
     write_end(text, report)
@@ -355,7 +358,30 @@ fn write_subdivision(text: &mut String, report: &Report, found: &SubdivisionResu
         found.fit.status
     )?;
     write_distances(text, &found.fit)?;
+    write_coverage(text, found.coverage.as_ref())?;
+    match found.folded_edges.limit {
+        0 => {}
+        count => writeln!(text, "  folds     at {} of the limit surface", counted(count, "edge"))?,
+    }
     write_end(text, report)
+}
+
+fn write_coverage(text: &mut String, coverage: Option<&SurfaceCoverage>) -> std::fmt::Result {
+    let Some(found) = coverage else { return Ok(()) };
+    writeln!(
+        text,
+        "  surface   to the points: rms {}  max {} ({:.1} spacings)",
+        plain(found.rms),
+        plain(found.max),
+        found.max_in_spacings
+    )?;
+    let without = found.area_without_data;
+    if without > 0.0 {
+        let share = percent_of_share(without / found.area, Rounding::Up);
+        writeln!(text, "  area      {}, {share} of it without data", plain(found.area))
+    } else {
+        writeln!(text, "  area      {}, none of it without data", plain(found.area))
+    }
 }
 
 fn write_distances(text: &mut String, fit: &FitNumbers) -> std::fmt::Result {

@@ -3,17 +3,40 @@
 use crate::report::Report;
 use crate::wording::counted;
 use industrial_geometry::cloud_param::{
-    Error as ParameterError, FinishOutcome, FitOptions, ParameteriseOptions, ParameteriseReport, Shape,
-    finish_fit_with_progress, finish_options, fit_parameters, parameterise,
+    Error as ParameterError, FinishOutcome, FitOptions, Parameterisation, ParameteriseOptions,
+    ParameteriseReport, Shape, consistent, crowded, finish_fit_with_progress, finish_options, fit_parameters,
+    parameterise,
 };
 use industrial_geometry::fit::{
-    BaseShape, Error, Folds, Progress, Smoothing, SurfaceOptions, SurfaceReport, fit_cloud_with_progress,
-    fit_surface_with_progress,
+    BaseShape, Error, Folds, Progress, Robust, Smoothing, Status, SurfaceCoverage, SurfaceDistances,
+    SurfaceOptions, SurfaceReport, cut_to_feet, fit_cloud_with_progress, fit_surface_with_progress,
+    measurable, surface_frames,
 };
 use industrial_geometry::nurbs::BsplineSurface;
 use industrial_geometry::nurbs::nalgebra::Vector3;
 use serde::Serialize;
 use std::path::Path;
+
+/// How much residuals of neighbours differ, 1 where they have nothing to do with each other: from the first on more control points have
+/// nothing to follow, below the second the surface does not follow the points.
+const NOISE: f64 = 0.8;
+const NOISE_AT_LEAST: f64 = 0.5;
+/// Root mean square distance, as a share of the diagonal, that needs no more control points; share of it that more of them must leave at
+/// most; most control points that are chosen, and fewest points for each.
+const SMALL: f64 = 1e-4;
+const LESS: f64 = 0.85;
+const MOST_CHOSEN: usize = 4000;
+const PER_CONTROL: usize = 4;
+/// Share of the distance before that a surface on which the points lie exactly leaves at most.
+const EXACT: f64 = 0.05;
+/// Standard deviations of the distances beyond which a point is not met, if it is farther than others are apart, too.
+const WILD: f64 = 6.0;
+/// Largest distance of a point, in spacings, from a surface that is right.
+const VERIFIED: f64 = 0.25;
+/// First factor of an energy that vanishes, from a surface that is near, and its factor in each iteration.
+const VANISHING: [f64; 2] = [1e-6, 0.1];
+/// How often outliers are told anew by the surface without them.
+const ROUNDS: usize = 3;
 
 /// A fitted surface, how it went, and where it began.
 pub(crate) type Found = (BsplineSurface, SurfaceReport, Start);
@@ -37,6 +60,14 @@ pub(crate) struct Start {
     pub(crate) strays: usize,
     /// Points that do not count: beyond the ends of the base surface.
     pub(crate) beyond_ends: usize,
+    /// Points that are on no part of the surface, whether they were used or not; the largest distance of one of them.
+    pub(crate) far: usize,
+    pub(crate) far_max: f64,
+    /// Whether the points are farther from the surface than from each other, and neighbours alike: it does not follow them.
+    pub(crate) unresolved: bool,
+    /// Which points were left out.
+    #[serde(skip)]
+    left_out: Vec<bool>,
 }
 
 impl Start {
@@ -50,6 +81,10 @@ impl Start {
             doubtful: false,
             strays: 0,
             beyond_ends: 0,
+            far: 0,
+            far_max: 0.0,
+            unresolved: false,
+            left_out: Vec::new(),
         }
     }
 
@@ -57,18 +92,11 @@ impl Start {
         Self {
             why: found.shape.why.clone(),
             base_rms: Some(found.rms),
-            least_squares_rms: None,
-            outcome: None,
             spacing: Some(found.spacing),
-            doubtful: false,
             strays: found.strays,
             beyond_ends: found.beyond_ends,
+            ..Self::simple(String::new())
         }
-    }
-
-    /// Whether a surface at this distance from the points does not follow them.
-    pub(crate) fn is_far(&self, rms: f64) -> bool {
-        self.spacing.is_some_and(|spacing| rms > spacing)
     }
 
     /// Says which points do not count, and what was kept.
@@ -81,6 +109,13 @@ impl Start {
             if count > 0 {
                 report.warnings.push(format!("{name}: {} {what}: not used", counted(count, "point")));
             }
+        }
+        if self.far > 0 {
+            report.warnings.push(format!(
+                "{name}: {} far from all parts of the surface, up to {:.3e}; `--outliers automatic` leaves out what does not belong",
+                counted(self.far, "point"),
+                self.far_max
+            ));
         }
         if self.doubtful {
             report
@@ -111,14 +146,37 @@ impl From<Error> for Refusal {
     }
 }
 
-/// Fits a surface: over a base surface that follows the points where there is one, otherwise over a simple shape.
+/// Fits a surface: over a base surface that follows the points where there is one, otherwise over a simple shape. Without `chosen` numbers of
+/// control points there are as many as the points ask for.
 pub(crate) fn from_cloud(
     points: &[Vector3<f64>],
     options: &SurfaceOptions,
+    chosen: bool,
+    progress: Progress<'_>,
+) -> Result<Found, Refusal> {
+    let used = match options.fit.robust {
+        Robust::None => points.to_vec(),
+        _ => in_crowds(points).map_err(Refusal::Points)?,
+    };
+    let (surface, report, start) = begun(&used, options, chosen, progress)?;
+    concluded(points, surface, report, start, options)
+}
+
+/// The points with others beside them; those by themselves have no place.
+fn in_crowds(points: &[Vector3<f64>]) -> Result<Vec<Vector3<f64>>, ParameterError> {
+    let crowded = crowded(points, &measurable(points)?)?;
+    let nowhere = Vector3::repeat(f64::NAN);
+    Ok(points.iter().zip(crowded).map(|(p, crowded)| if crowded { *p } else { nowhere }).collect())
+}
+
+fn begun(
+    points: &[Vector3<f64>],
+    options: &SurfaceOptions,
+    chosen: bool,
     progress: Progress<'_>,
 ) -> Result<Found, Refusal> {
     let simple = |why: &str| -> Result<Found, Refusal> {
-        let found = fit_cloud_with_progress(points, options, progress)?;
+        let found = fit_cloud_with_progress(points, &options.with_coverage(false), progress)?;
         Ok((found.surface, found.report, Start::simple(why.to_owned())))
     };
     if options.rational {
@@ -131,7 +189,7 @@ pub(crate) fn from_cloud(
         BaseShape::Sphere => Shape::Sphere,
         BaseShape::Torus => return simple("it was asked for"),
     };
-    match over_base_surface(points, shape, options, progress) {
+    match over_base_surface(points, shape, options, chosen, progress) {
         Ok(found) => Ok(found),
         Err(ParameterError::Fit(error)) => Err(error.into()),
         // The simple shapes ask for less.
@@ -139,7 +197,7 @@ pub(crate) fn from_cloud(
             simple(&format!("a simple shape gave the first parameters: {error}"))
         }
         // Of no kind that is known, but one surface: the nearest of the simple shapes, which need not be right.
-        Err(error @ ParameterError::Shape { .. }) if shape == Shape::Auto && !in_parts(&error) => {
+        Err(error @ ParameterError::Shape { .. }) if shape == Shape::Auto && !is_none(&error) => {
             let (surface, report, mut start) =
                 simple(&format!("a simple shape gave the first parameters: {error}"))?;
             start.doubtful = true;
@@ -149,53 +207,222 @@ pub(crate) fn from_cloud(
     }
 }
 
-fn in_parts(error: &ParameterError) -> bool {
-    matches!(error, ParameterError::Shape { wanted: "one surface", .. })
+/// Whether the points are not those of one surface.
+fn is_none(error: &ParameterError) -> bool {
+    matches!(error, ParameterError::Shape { wanted: "one surface" | "a surface", .. })
 }
 
 fn over_base_surface(
     points: &[Vector3<f64>],
     shape: Shape,
     options: &SurfaceOptions,
+    chosen: bool,
     progress: Progress<'_>,
 ) -> Result<Found, ParameterError> {
-    let found = parameterise(points, &ParameteriseOptions::default().with_shape(shape))?;
+    let choice = ParameteriseOptions::default().with_shape(shape);
+    let mut found = parameterise(points, &choice)?;
+    if options.fit.robust != Robust::None {
+        // Outliers draw the base surface to themselves, and make its domain wider.
+        let agree = consistent(points, &found.feet, &found.counts)?;
+        if agree != found.counts {
+            let nowhere = Vector3::repeat(f64::NAN);
+            let kept: Vec<Vector3<f64>> =
+                points.iter().zip(&agree).map(|(p, agree)| if *agree { *p } else { nowhere }).collect();
+            let (dropped, strays) = (found.report.dropped, found.report.strays);
+            found = parameterise(&kept, &choice)?;
+            (found.report.dropped, found.report.strays) = (dropped, strays);
+        }
+    }
+    let mut size = options.size;
+    let mut best = fitted_over(points, &found, &options.with_size(size), progress)?;
+    if chosen || options.abs_tolerance.is_some() {
+        return Ok(best);
+    }
+    // More control points, as long as what is left of the distances is not noise and they make it much less.
+    let diagonal = diagonal(points);
+    loop {
+        let left = best.1.fit.rms;
+        let is_noise = |surface: &BsplineSurface| -> Result<bool, Error> {
+            Ok(SurfaceDistances::of(surface, points, options.fit.robust)?.disagreement >= NOISE)
+        };
+        size.controls = size.controls.map(|n| n + n.div_ceil(2));
+        let unknowns = size.controls[0] * size.controls[1];
+        if left <= SMALL * diagonal
+            || unknowns > MOST_CHOSEN
+            || PER_CONTROL * unknowns > points.len()
+            || best.1.fit.status == Status::Cancelled
+            || is_noise(&best.0)?
+        {
+            return Ok(best);
+        }
+        let next = fitted_over(points, &found, &options.with_size(size), progress)?;
+        let is_good = next.1.folds.count() <= best.1.folds.count() && next.1.fit.status != Status::Cancelled;
+        if !is_good || next.1.fit.rms > LESS * left {
+            return Ok(best);
+        }
+        best = next;
+    }
+}
+
+/// Diagonal of the box around the points that can belong to one shape.
+fn diagonal(points: &[Vector3<f64>]) -> f64 {
+    let belongs = measurable(points).unwrap_or_else(|_| vec![false; points.len()]);
+    let kept = points.iter().zip(belongs).filter(|(_, b)| *b).map(|(p, _)| *p);
+    let bounds = kept.fold(None, |bounds: Option<[Vector3<f64>; 2]>, p| {
+        Some(bounds.map_or([p, p], |[low, high]| [low.inf(&p), high.sup(&p)]))
+    });
+    bounds.map_or(0.0, |[low, high]| (high - low).norm())
+}
+
+/// The surface of a size with the parameters of a base surface.
+fn fitted_over(
+    points: &[Vector3<f64>],
+    found: &Parameterisation,
+    options: &SurfaceOptions,
+    progress: Progress<'_>,
+) -> Result<Found, ParameterError> {
     let mut start = Start::base(&found.report);
     let fit = FitOptions {
         control_points: options.size.controls,
         degrees: options.size.degrees,
         ..FitOptions::default()
     };
-    let least_squares = fit_parameters(points, &found.base, &found.feet, &found.counts, &fit)?;
+    let mut counts = found.counts.clone();
+    let mut least_squares = fit_parameters(points, &found.base, &found.feet, &counts, &fit)?;
+    if options.fit.robust != Robust::None {
+        // Outliers have drawn the base surface to themselves, and may have hidden others.
+        for _ in 0..ROUNDS {
+            let again = least_squares.consistent(points, &found.counts)?;
+            if again == counts {
+                break;
+            }
+            counts = again;
+            least_squares = fit_parameters(points, &found.base, &found.feet, &counts, &fit)?;
+        }
+    }
     start.least_squares_rms = Some(least_squares.rms);
     let like_finish = finish_options(points.len());
-    let near = options.with_fit(match options.fit.smoothing {
+    let near = options.with_coverage(false).with_fit(match options.fit.smoothing {
         Smoothing::Automatic { .. } => options.fit.with_smoothing(like_finish.fit.smoothing),
-        _ => options.fit,
+        // The least squares surface is near: there is no need to come down from a large energy.
+        Smoothing::Continuation { floor, .. } if floor > 0.0 => {
+            options.fit.with_smoothing(Smoothing::Fixed { lambda: floor })
+        }
+        Smoothing::Continuation { .. } => options.fit.with_smoothing(Smoothing::Continuation {
+            start: VANISHING[0],
+            factor: VANISHING[1],
+            floor: 0.0,
+        }),
+        Smoothing::Fixed { .. } => options.fit,
     });
     let base = match found.report.shape.shape {
         Shape::Plane => BaseShape::Plane,
         Shape::Sphere => BaseShape::Sphere,
         _ => BaseShape::Cylinder,
     };
+    start.left_out = counts.iter().map(|counts| !counts).collect();
     let (surface, mut report) = if options.abs_tolerance.is_some() {
-        let used = points.iter().zip(&found.counts).filter(|(_, counts)| **counts);
+        let used = points.iter().zip(&counts).filter(|(_, counts)| **counts);
         let data: Vec<Vector3<f64>> = used.map(|(p, _)| *p).collect();
         let fitted = fit_surface_with_progress(&data, least_squares.surface, &near, progress)?;
         (fitted.surface, fitted.report)
     } else {
         let near = near
             .with_unfoldings(like_finish.unfoldings)
+            .with_exact(like_finish.exact)
             .with_fit(near.fit.with_damping(like_finish.fit.damping));
-        let (done, finish) = finish_fit_with_progress(points, &found.counts, least_squares, &near, progress)?;
+        let (done, finish) = finish_fit_with_progress(points, &counts, least_squares, &near, progress)?;
         start.outcome = Some(finish.outcome);
         let mut report = finish.minimisation;
-        // Of the surface that is left, which need not be the last of the minimisation.
-        (report.fit.rms, report.fit.max) = (done.rms, done.max);
+        let mut done = done;
+        if finish.rms[1] <= SMALL * diagonal(points) && report.fit.status != Status::Cancelled {
+            // Hardly any distance is left: without the energy the surface may be exact.
+            let data: Vec<Vector3<f64>> =
+                points.iter().zip(&counts).filter(|(_, c)| **c).map(|(p, _)| *p).collect();
+            let exact = near
+                .with_exact(true)
+                .with_fit(near.fit.with_smoothing(Smoothing::NONE).with_max_iterations(1));
+            let made = fit_surface_with_progress(&data, done.surface.clone(), &exact, progress)?;
+            if made.report.fit.rms <= EXACT * finish.rms[1]
+                && made.report.folds.count() <= Folds::of(&done.surface).count()
+            {
+                done.surface = made.surface;
+                report.fit.lambda = 0.0;
+                report.fit.status = Status::Converged;
+                report.fit.history.extend(made.report.fit.history);
+                (1..).zip(&mut report.fit.history).for_each(|(number, step)| step.iteration = number);
+            }
+        }
+        if finish.outcome.is_new() {
+            report.fit.rms = finish.rms[1];
+        } else {
+            // The surface that is left is not that of the minimisation, whose steps and smoothing have no part in it.
+            report.fit.rms = finish.rms[0];
+            report.fit.lambda = 0.0;
+            report.fit.history = Vec::new();
+            report.runs = 0;
+        }
         (done.surface, report)
     };
+    report.controls = [surface.knots_u().distinct_count(), surface.knots_v().distinct_count()];
     report.folds = Folds::of(&surface);
     report.base = Some(base);
     report.dropped = found.report.dropped;
+    Ok((surface, report, start))
+}
+
+/// What the report says about the surface that is left, and all finite points, whether they were used or not.
+fn concluded(
+    points: &[Vector3<f64>],
+    mut surface: BsplineSurface,
+    mut report: SurfaceReport,
+    mut start: Start,
+    options: &SurfaceOptions,
+) -> Result<Found, Refusal> {
+    let belongs = measurable(points)?;
+    let kept: Vec<Vector3<f64>> = points.iter().zip(&belongs).filter(|(_, b)| **b).map(|(p, _)| *p).collect();
+    // Open ends stop where the points do that are no outliers.
+    let found = SurfaceDistances::of(&surface, points, options.fit.robust)?;
+    let counting: Vec<Vector3<f64>> =
+        points.iter().zip(&found.weights).filter(|(_, w)| **w > 0.0).map(|(p, _)| *p).collect();
+    let frames = surface_frames(&surface, &counting)?;
+    if let Some(cut) = cut_to_feet(&surface, &frames)? {
+        surface = cut;
+        report.controls = [surface.knots_u().distinct_count(), surface.knots_v().distinct_count()];
+        report.folds = Folds::of(&surface);
+    }
+    report.dropped = points.iter().filter(|p| !p.iter().all(|c| c.is_finite())).count();
+    let found = SurfaceDistances::of(&surface, points, options.fit.robust)?;
+    let finite_before =
+        |index: usize| points[..index].iter().filter(|p| p.iter().all(|c| c.is_finite())).count();
+    report.fit.rms = found.rms;
+    report.fit.max = found.max;
+    report.fit.max_index = finite_before(found.max_index);
+    report.fit.samples = found.finite();
+    report.fit.used = found.used;
+    let noise = SurfaceCoverage::noise_of(&found.distances);
+    let coverage = SurfaceCoverage::of_surface(&surface, &kept, noise, options.abs_tolerance)?;
+    if let Some(tolerance) = options.abs_tolerance {
+        let share = found.share_within(tolerance);
+        report.share_within = Some(share);
+        report.within_tolerance = share >= options.share;
+    }
+    // Points apart from the others are left out on purpose where outliers are expected; with a tolerance that one decides about points that
+    // were used.
+    let purposely = options.fit.robust != Robust::None;
+    let limit = coverage.limit.max(WILD * noise);
+    let is_far = |i: &usize| {
+        let expected = purposely && found.weights[*i] == 0.0;
+        let left_out = start.left_out.get(*i).copied().unwrap_or(false) || found.weights[*i] == 0.0;
+        (left_out || options.abs_tolerance.is_none()) && !expected && found.distances[*i] > limit
+    };
+    let far: Vec<usize> = (0..points.len()).filter(is_far).collect();
+    start.far_max = far.iter().map(|&i| found.distances[i]).fold(0.0, f64::max);
+    start.far = far.len();
+    start.unresolved = report.fit.rms > coverage.spacing && found.disagreement < NOISE_AT_LEAST;
+    // What is near all points, with all of its parts, is right, whatever it began with.
+    let is_near = coverage.is_complete() && report.fit.max <= VERIFIED * coverage.spacing;
+    start.doubtful &= !(is_near && report.folds.count() == 0);
+    report.coverage = Some(coverage);
     Ok((surface, report, start))
 }

@@ -22,6 +22,18 @@ pub enum Error {
         /// Where the points lie.
         what: &'static str,
     },
+    /// Points so near to each other, or so far apart, that squares of lengths cannot be computed with.
+    #[error(
+        "the cloud is {size:.1e} wide, but sizes from {least:.0e} to {most:.0e} can be computed with; use another unit of length"
+    )]
+    Magnitude {
+        /// Largest distance from the middle of the points, doubled.
+        size: f64,
+        /// Least size.
+        least: f64,
+        /// Largest size.
+        most: f64,
+    },
     /// An option outside its range.
     #[error("option {name} is {value}, but must be {allowed}")]
     Option {

@@ -53,6 +53,20 @@ impl Fairing {
         Some(Self { blocks })
     }
 
+    /// The form with a smaller factor where its value is more than `most`.
+    pub(crate) fn capped<const D: usize>(
+        mut self,
+        layout: &Layout,
+        coefficients: &[SVector<f64, D>],
+        most: f64,
+    ) -> Self {
+        let value = self.value(layout, coefficients);
+        if value > most {
+            self.blocks.values.iter_mut().for_each(|v| *v *= most / value);
+        }
+        self
+    }
+
     /// Adds the form to normal equations with all components.
     pub(crate) fn add_to<const D: usize>(
         &self,

@@ -187,6 +187,12 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
             assemble(&self.layout, &self.shape, self.samples, &self.feet, &weights, self.options.term);
         let answer = if self.schedule.asks() { self.ask(&normal, &weights) } else { Answer::NotAsked };
         self.fairing = Fairing::new(&self.layout, &self.shape, &self.grams, self.faired());
+        if let Some(share) = self.options.fairing_cap
+            && let Some(fairing) = self.fairing.take()
+        {
+            let most = share * measure(&self.feet, &weights).0;
+            self.fairing = Some(fairing.capped(&self.layout, self.shape.coefficients(), most));
+        }
         if let Some(fairing) = &self.fairing {
             fairing.add_to(&self.layout, &mut normal, self.shape.coefficients());
         }

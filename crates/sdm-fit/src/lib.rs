@@ -23,7 +23,9 @@
 //! ```
 
 mod assemble;
+mod cloud_kind;
 mod constraint;
+mod coverage_surface;
 pub mod curve;
 mod error;
 mod fairing;
@@ -33,19 +35,23 @@ mod layout;
 mod noise;
 mod options;
 mod parallel;
+mod polish;
 pub mod primitive;
 mod report;
 pub mod ruled;
 mod shape;
 mod simd;
 mod smoothing;
+mod spacing;
 mod status;
 pub mod subdivision;
 mod surface;
 mod target;
 mod weights;
 
+pub use cloud_kind::{CloudKind, cloud_kind, measurable, tight_axes};
 pub use constraint::{Constraints, LinearCondition};
+pub use coverage_surface::SurfaceCoverage;
 pub use curve::ActiveCurve;
 pub use error::Error;
 pub use iterate::{Progress, fit, fit_with_progress, no_progress};
@@ -54,8 +60,9 @@ pub use report::{FitReport, Fitted, StepRecord};
 pub use shape::{ActiveShape, CellGram, CellTable, Penalty};
 pub use status::Status;
 pub use surface::{
-    ActiveSurface, BaseShape, Folds, InitialSurface, NetSize, SurfaceFit, SurfaceOptions, SurfaceReport,
-    fit_cloud, fit_cloud_with_progress, fit_surface, fit_surface_with_progress, initial_surface,
+    ActiveSurface, BaseShape, Folds, InitialSurface, NetSize, SurfaceCost, SurfaceDistances, SurfaceFit,
+    SurfaceOptions, SurfaceReport, cut_to_feet, fit_cloud, fit_cloud_with_progress, fit_surface,
+    fit_surface_with_progress, initial_surface, residual_disagreement, surface_costs, surface_frames,
     with_controls,
 };
 pub use target::Target;

@@ -111,6 +111,9 @@ pub struct FitOptions {
     /// tangent and squared distance terms leave them to the noise, and hardly changes the shape; default 0. Only for shapes
     /// with normals (surfaces).
     pub fairing: f64,
+    /// The largest share of the mean squared distance that the fairing may be; where it would be more, its factor is smaller in that
+    /// step, so that it vanishes with the distances. Default none.
+    pub fairing_cap: Option<f64>,
     /// What is assumed about outliers; default [`Robust::None`].
     pub robust: Robust,
     /// How footpoints are found; default [`FootpointPolicy::Adaptive`].
@@ -137,6 +140,7 @@ impl Default for FitOptions {
             smoothing: Smoothing::default(),
             energy: [0.1, 1.0, 0.0],
             fairing: 0.0,
+            fairing_cap: None,
             robust: Robust::None,
             footpoints: FootpointPolicy::Adaptive,
             max_iterations: 100,
@@ -172,6 +176,8 @@ impl FitOptions {
         with_energy(energy: [f64; 3]);
         /// The same options with another fairing of the parameterisation.
         with_fairing(fairing: f64);
+        /// The same options with or without a largest share of the fairing.
+        with_fairing_cap(fairing_cap: Option<f64>);
         /// The same options with another assumption about outliers.
         with_robust(robust: Robust);
         /// The same options with another way to find footpoints.
@@ -210,6 +216,7 @@ impl FitOptions {
         at_least_0("tolerance", self.tolerance)?;
         at_least_0("cost_tolerance", self.cost_tolerance)?;
         at_least_0("fairing", self.fairing)?;
+        at_least_0("fairing_cap", self.fairing_cap.unwrap_or(0.0))?;
         at_least_0("damping", self.damping)?;
         self.energy.into_iter().try_for_each(|value| at_least_0("energy", value))?;
         at_least_0("abs_goal", self.abs_goal.unwrap_or(0.0))?;

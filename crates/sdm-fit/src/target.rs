@@ -88,6 +88,12 @@ impl<'a, const D: usize> Samples<'a, D> {
         Ok(Self { target, sensors })
     }
 
+    /// Data points with equal weights.
+    pub(crate) fn of_points(points: &'a [SVector<f64, D>]) -> Result<Self, Error> {
+        check_points(points, None)?;
+        Ok(Self { target: Target::Points { points, weights: None }, sensors: Vec::new() })
+    }
+
     pub(crate) fn len(&self) -> usize {
         match self.target {
             Target::Points { points, .. } => points.len(),

@@ -1,14 +1,14 @@
 //! A fitted surface finished by squared distance minimisation.
 
+use super::SurfaceFit;
 use super::ease::eased;
-use super::{SurfaceFit, rms};
 use crate::{Error, SurfaceDefects};
 use footpoint::SurfaceProjector;
 use nalgebra::Vector3;
 use nurbs_core::BsplineSurface;
 use sdm_fit::{
-    Folds, Progress, Smoothing, Status, StepRecord, SurfaceOptions, SurfaceReport, fit_surface_with_progress,
-    no_progress,
+    Folds, Progress, Smoothing, Status, StepRecord, SurfaceCost, SurfaceOptions, SurfaceReport,
+    fit_surface_with_progress, no_progress, surface_costs, surface_frames,
 };
 
 /// Factor of the energy with which a finish begins: the surface is near the points, and more would draw it away from them.
@@ -39,7 +39,11 @@ pub fn finish_options(points: usize) -> SurfaceOptions {
     let smoothing = Smoothing::Automatic { start: SMOOTHING, factor: 0.5 };
     let fit = defaults.fit.with_smoothing(smoothing).with_damping(DAMPING);
     let iterations = (FOOTPOINTS / points.max(1)).clamp(ITERATIONS[0], ITERATIONS[1]);
-    defaults.with_unfoldings(0).with_fit(fit.with_max_iterations(iterations))
+    defaults
+        .with_unfoldings(0)
+        .with_exact(false)
+        .with_coverage(false)
+        .with_fit(fit.with_max_iterations(iterations))
 }
 
 /// A surface that squared distance minimisation made, its folds smoothed away.
@@ -50,6 +54,8 @@ struct Minimised {
     raw: SurfaceDefects,
     /// Share of the way that control points were moved back, on average, most in one stage.
     moved_back: f64,
+    /// What the start and the result cost, by the same measure: the same weights of the points, and the same energy.
+    costs: [SurfaceCost; 2],
     /// Whether it folds, since easing failed.
     is_folded: bool,
 }
@@ -65,17 +71,21 @@ fn minimised(
     progress: Progress<'_>,
 ) -> Result<Minimised, Error> {
     let defects = |surface: &BsplineSurface| SurfaceDefects::of(surface, None);
+    let first = surface_frames(&start.surface, data)?;
     // With knots inserted, or with weights, a part of the way is no way, and there is none back.
     if options.abs_tolerance.is_some() || options.rational {
         let made = fit_surface_with_progress(data, start.surface.clone(), options, progress)?;
         let (raw, before) = (defects(&made.surface), defects(&start.surface));
         let is_folded = raw.crossovers > before.crossovers;
-        return Ok(Minimised { surface: made.surface, report: made.report, raw, moved_back: 0.0, is_folded });
+        let pair = [(&start.surface, &first[..]), (&made.surface, &made.frames[..])];
+        let costs = surface_costs(data, pair, &options.fit, 0.0)?;
+        let (surface, report) = (made.surface, made.report);
+        return Ok(Minimised { surface, report, raw, moved_back: 0.0, costs, is_folded });
     }
     let allowed = Folds::of(&start.surface).count();
-    let (mut fit, mut surface, mut best_rms) = (options.fit, start.surface.clone(), start.rms);
+    let (mut fit, mut surface, mut frames) = (options.fit, start.surface.clone(), first.clone());
     let (mut history, mut moved_back, mut raw) = (Vec::new(), 0.0f64, None);
-    let mut first_rms = None;
+    let (mut first_rms, mut lambda) = (None, 0.0);
     loop {
         let steps = STAGE.min(options.fit.max_iterations - history.len());
         let stage = options.with_fit(fit.with_max_iterations(steps));
@@ -86,60 +96,74 @@ fn minimised(
         let mut report = made.report;
         let first_rms = *first_rms.get_or_insert(report.fit.initial_rms);
         history.extend_from_slice(&report.fit.history);
-        let (status, lambda) = (report.fit.status, report.fit.lambda);
-        let mut next = Some((made.surface, report.fit.rms, 0.0));
+        let status = report.fit.status;
+        let mut next = Some((made.surface, made.frames, 0.0));
         if let Some((folded, ..)) = next.take_if(|(made, ..)| Folds::of(made).count() > allowed) {
             raw = Some(defects(&folded));
-            next = eased(&surface, &folded, allowed)?.map(|(eased, back)| {
-                let distance = rms_from(data, &eased);
-                (eased, distance, back)
-            });
+            next = match eased(&surface, &folded, allowed)? {
+                Some((eased, back)) => Some((eased.clone(), surface_frames(&eased, data)?, back)),
+                None => None,
+            };
         }
-        let is_nearer = next.take_if(|(_, distance, _)| *distance < best_rms);
-        let failed = is_nearer.is_none();
-        let back_much = is_nearer.as_ref().is_some_and(|(.., back)| *back > MUCH) && fit.damping < CAREFUL;
-        let is_slow = is_nearer.as_ref().is_some_and(|(_, distance, _)| *distance > best_rms * (1.0 - SLOW));
-        if let Some((made, distance, back)) = is_nearer {
-            (surface, best_rms, moved_back) = (made, distance, moved_back.max(back));
+        // Like with like: the weights of the new one, and its energy.
+        let costs = match &next {
+            Some((made, places, _)) => {
+                let pair = [(&surface, &frames[..]), (made, &places[..])];
+                Some(surface_costs(data, pair, &fit, report.fit.lambda)?)
+            }
+            None => None,
+        };
+        let is_better = next.filter(|_| costs.is_some_and(|[before, after]| after.cost < before.cost));
+        let failed = is_better.is_none();
+        // Steps that lower what they minimise come to no better surface: this one is a minimum.
+        let at_minimum = failed && costs.is_some();
+        let back_much = is_better.as_ref().is_some_and(|(.., back)| *back > MUCH) && fit.damping < CAREFUL;
+        let slow = (1.0 - SLOW) * (1.0 - SLOW);
+        let is_slow = !failed && costs.is_some_and(|[before, after]| after.cost > slow * before.cost);
+        if let Some((made, places, back)) = is_better {
+            (surface, frames, moved_back) = (made, places, moved_back.max(back));
+            lambda = report.fit.lambda;
         }
         let is_careful = fit.damping >= CAREFUL;
         let ends = status != Status::MaxIterations || history.len() >= options.fit.max_iterations;
         if ends || is_slow || failed && is_careful {
             (1..).zip(&mut history).for_each(|(number, step)| step.iteration = number);
+            let pair = [(&start.surface, &first[..]), (&surface, &frames[..])];
+            let costs = surface_costs(data, pair, &options.fit, lambda)?;
+            let raw = raw.unwrap_or_else(|| defects(&surface));
             report.fit.initial_rms = first_rms;
-            report.fit.rms = best_rms;
+            report.fit.rms = costs[1].rms;
+            report.fit.lambda = lambda;
             report.folds = Folds::of(&surface);
             // What was cancelled, or went wrong, stays so; the limit of a stage is not that of all.
             let at_limit = history.len() >= options.fit.max_iterations;
             report.fit.status = match status {
-                Status::MaxIterations if is_slow => Status::Converged,
+                Status::MaxIterations | Status::Stalled if is_slow || at_minimum => Status::Converged,
                 Status::MaxIterations if !at_limit => Status::Stalled,
                 status => status,
             };
             report.fit.history = history;
-            let raw = raw.unwrap_or_else(|| defects(&surface));
-            return Ok(Minimised { surface, report, raw, moved_back, is_folded: false });
+            return Ok(Minimised { surface, report, raw, moved_back, costs, is_folded: false });
         }
         if failed || back_much {
             fit = fit.with_damping(CAREFUL).with_fairing(fit.fairing * LESS);
         }
-        if !failed && let Smoothing::Automatic { factor, .. } = fit.smoothing {
-            let settled = history.len() >= SETTLED;
-            fit = fit.with_smoothing(if settled {
-                Smoothing::Fixed { lambda }
-            } else {
-                Smoothing::Automatic { start: lambda, factor }
-            });
+        if !failed {
+            fit = fit.with_smoothing(gone_on(fit.smoothing, lambda, history.len() >= SETTLED));
         }
     }
 }
 
-/// Root mean square orthogonal distance of points from a surface.
-fn rms_from(points: &[Vector3<f64>], surface: &BsplineSurface) -> f64 {
-    let projector = SurfaceProjector::new(surface);
-    let feet = projector.project_all(points);
-    let all: Vec<usize> = (0..points.len()).collect();
-    rms(&all, &feet)
+/// The schedule of the next stage: from where the one before ended.
+fn gone_on(smoothing: Smoothing, lambda: f64, settled: bool) -> Smoothing {
+    match smoothing {
+        Smoothing::Automatic { .. } if settled => Smoothing::Fixed { lambda },
+        Smoothing::Automatic { factor, .. } => Smoothing::Automatic { start: lambda, factor },
+        Smoothing::Continuation { factor, floor, .. } => {
+            Smoothing::Continuation { start: lambda.max(floor), factor, floor }
+        }
+        fixed @ Smoothing::Fixed { .. } => fixed,
+    }
 }
 
 /// Which surface a finish leaves.
@@ -153,7 +177,7 @@ pub enum FinishOutcome {
     Eased,
     /// The one that it began with, since what it made folds in many places.
     KeptSinceFolded,
-    /// The one that it began with, since what it made is no nearer to the points.
+    /// The one that it began with, since what it made costs no less: with the same weights of the points, and the same energy.
     KeptSinceNoNearer,
     /// The one that it began with: it was cancelled.
     Cancelled,
@@ -185,8 +209,11 @@ impl FinishOutcome {
 pub struct FinishReport {
     /// Which surface is left.
     pub outcome: FinishOutcome,
-    /// Root mean square orthogonal distances of the points that count, before and after; the latter also if it was not taken.
+    /// Root mean square orthogonal distances of the points, before and after, with the weights that they have after; also if that was
+    /// not taken.
     pub rms: [f64; 2],
+    /// What was compared: mean squared distances with these weights, plus the smoothing energy with its factor at the end.
+    pub cost: [f64; 2],
     /// What is wrong with the surface before and after, and with what the minimisation made.
     pub defects: [SurfaceDefects; 3],
     /// Share of the way of some iterations that control points were moved back, on average over all; the largest one.
@@ -200,8 +227,9 @@ pub struct FinishReport {
 ///
 /// Every five iterations it is seen whether the surface folds. If so, control points are moved back around these places, towards the
 /// surface of five iterations before, until it does not, and the minimisation goes on from there. It also ends, as converged, when
-/// five iterations lower the distance by less than half a per cent. The result is never worse than `fitted`, which is returned as it is if
-/// nothing nearer to the points is found; the report says so.
+/// five iterations lower the distance by less than half a per cent. The result never costs more than `fitted`, which is returned as it is
+/// if nothing better is found; the report says so. What is compared are the squared distances with the same weights, where outliers are
+/// expected, and with the energy of both: a surface that was smoothed is not nearer to noisy points than one that follows their noise.
 /// The history of the result is that of `fitted` with the new distance at its end.
 ///
 /// # Errors
@@ -237,21 +265,19 @@ pub fn finish_fit_with_progress(
     let data: Vec<Vector3<f64>> = used.iter().map(|&i| points[i]).collect();
     let made = minimised(&data, &fitted, options, progress)?;
     let cancelled = made.report.fit.status == Status::Cancelled;
-    let Minimised { surface, moved_back, raw, is_folded, .. } = made;
+    let Minimised { surface, moved_back, raw, is_folded, costs, .. } = made;
     let defects = |surface: &BsplineSurface| SurfaceDefects::of(surface, None);
-    let projector = SurfaceProjector::new(&surface);
-    let feet = projector.project_all(points);
-    let distance = rms(&used, &feet);
     let outcome = match () {
         () if cancelled => FinishOutcome::Cancelled,
         () if is_folded => FinishOutcome::KeptSinceFolded,
-        () if distance >= fitted.rms => FinishOutcome::KeptSinceNoNearer,
+        () if costs[1].cost >= costs[0].cost => FinishOutcome::KeptSinceNoNearer,
         () if moved_back > 0.0 => FinishOutcome::Eased,
         () => FinishOutcome::Finished,
     };
     let report = FinishReport {
         outcome,
-        rms: [fitted.rms, distance],
+        rms: costs.map(|c| c.rms),
+        cost: costs.map(|c| c.cost),
         defects: [defects(&fitted.surface), defects(&surface), raw],
         moved_back,
         minimisation: made.report,
@@ -259,7 +285,9 @@ pub fn finish_fit_with_progress(
     if !outcome.is_new() {
         return Ok((fitted, report));
     }
+    let feet = SurfaceProjector::new(&surface).project_all(points);
     let max = used.iter().map(|&i| feet[i].distance).fold(0.0, f64::max);
+    let distance = super::rms(&used, &feet);
     let mut history = fitted.history;
     history.push(distance);
     Ok((SurfaceFit { surface, history, feet, rms: distance, max, used: used.len() }, report))

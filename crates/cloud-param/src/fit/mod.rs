@@ -4,8 +4,10 @@ mod anchors;
 mod ease;
 mod finish;
 mod knots;
+mod outliers;
 
 pub use finish::{FinishOutcome, FinishReport, finish_fit, finish_fit_with_progress, finish_options};
+pub use outliers::{consistent, crowded};
 
 use crate::{Error, SurfaceDefects, parallel};
 use anchors::Anchors;

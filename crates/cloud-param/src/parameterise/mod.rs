@@ -16,6 +16,7 @@ use crate::{AxisChoice, AxisEstimate, Error, Neighbourhood, Shape, ShapeDecision
 use footpoint::{Location, Multiplicity, SurfaceFootpoint, SurfaceProjector};
 use nalgebra::Vector3;
 use nurbs_core::BsplineSurface;
+use sdm_fit::{CloudKind, cloud_kind, measurable};
 use std::ops::ControlFlow;
 use std::time::Instant;
 
@@ -100,8 +101,9 @@ pub fn parameterise_with_progress(
 ) -> Result<Parameterisation, Error> {
     let mut clock = Clock { progress, times: Vec::new(), began: Instant::now() };
     clock.enter(Stage::Preparation)?;
+    let belongs = measurable(points)?;
     let finite: Vec<Vector3<f64>> =
-        points.iter().filter(|p| p.iter().all(|c| c.is_finite())).copied().collect();
+        points.iter().zip(&belongs).filter(|(_, b)| **b).map(|(p, _)| *p).collect();
     if finite.len() < LEAST {
         return Err(Error::TooFewPoints { total: points.len(), usable: finite.len(), needed: LEAST });
     }
@@ -110,6 +112,7 @@ pub fn parameterise_with_progress(
     let centre = low + (high - low) / 2.0;
     let centred: Vec<Vector3<f64>> = finite.iter().map(|p| p - centre).collect();
     let (cloud, stray) = one_part(&centred)?;
+    is_surface(&cloud)?;
 
     clock.enter(Stage::Axis)?;
     let axis = estimate_axis(cloud.points(), options.axis)?;
@@ -128,18 +131,23 @@ pub fn parameterise_with_progress(
 
     clock.enter(Stage::Parameters)?;
     let surface = base.surface.translated(&centre)?;
-    let all = SurfaceProjector::new(&surface).project_all(points);
+    // Points that cannot belong to the cloud are strays without a foot.
+    let nowhere = Vector3::repeat(f64::NAN);
+    let given: Vec<Vector3<f64>> =
+        points.iter().zip(&belongs).map(|(p, b)| if *b { *p } else { nowhere }).collect();
+    let all = SurfaceProjector::new(&surface).project_all(&given);
     let mut report = base.report;
     report.points = points.len();
-    report.dropped = points.len() - finite.len();
-    report.strays = stray.iter().filter(|s| **s).count();
+    report.dropped = points.iter().filter(|p| !p.iter().all(|c| c.is_finite())).count();
     report.spacing = cloud.pitch();
     // Strays by the indices of the points given.
     let mut finite_stray = stray.into_iter();
     let stray: Vec<bool> = points
         .iter()
-        .map(|p| p.iter().all(|c| c.is_finite()) && finite_stray.next().unwrap_or(false))
+        .zip(&belongs)
+        .map(|(p, b)| if *b { finite_stray.next().unwrap_or(false) } else { p.iter().all(|c| c.is_finite()) })
         .collect();
+    report.strays = stray.iter().filter(|s| **s).count();
     let counts = judge(&all, &stray, &mut report);
     report.status = status(&report);
     report.times = clock.stop();
@@ -174,6 +182,18 @@ fn one_part(points: &[Vector3<f64>]) -> Result<(Neighbourhood, Vec<bool>), Error
     let kept: Vec<Vector3<f64>> =
         distinct.iter().zip(&part).filter(|(_, k)| **k == 0).map(|(p, _)| *p).collect();
     Ok((Neighbourhood::new(&kept)?, number.iter().map(|&k| part[k] > 0).collect()))
+}
+
+/// Whether the points are those of a surface: not of a curve, and not all through a volume.
+fn is_surface(cloud: &Neighbourhood) -> Result<(), Error> {
+    let why = match cloud_kind(cloud.points())? {
+        CloudKind::Curve => "its points lie along a curve, with nothing beside them; fit a curve instead",
+        CloudKind::Volume => {
+            "its points have others on all sides, however large the neighbourhood: they fill a volume; take those of its boundary"
+        }
+        _ => return Ok(()),
+    };
+    Err(Error::Shape { wanted: "a surface", why: why.to_owned() })
 }
 
 /// Points without those that are equal to an earlier one, and for each point the number of the one that stands for it.

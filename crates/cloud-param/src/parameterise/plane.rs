@@ -1,7 +1,7 @@
 //! Base surfaces that are height fields.
 
 use super::{Base, Clock, ParameteriseReport, Stage};
-use crate::shape::principal_frame;
+use crate::plane_frame::plane_frame;
 use crate::{AxisEstimate, Error, MultilevelOptions, Neighbourhood, ShapeDecision, multilevel};
 use nalgebra::Vector3;
 use nurbs_core::{Direction, Interval};
@@ -16,7 +16,7 @@ pub(super) fn base(
     clock: &mut Clock<'_>,
 ) -> Result<Base, Error> {
     clock.enter(Stage::Refinement)?;
-    let frame = principal_frame(cloud.points())?;
+    let frame = plane_frame(cloud.points())?;
     let local: Vec<Vector3<f64>> = cloud.points().iter().map(|p| frame.to_local(p)).collect();
     let options = MultilevelOptions::default().with_data_per_piece(DATA_PER_PIECE);
     let (field, _) = multilevel(&local, None, &options)?;

@@ -103,12 +103,14 @@ fn parse_level(text: &str) -> Result<Level, String> {
 const AFTER_HELP: &str = "\
 The report (--json) holds in `results`: `status`, `rms`, `max`, `max_index`, `lambda`, `history` of all iterations, `base` (plane or
 cylinder: what the first parameters were taken from), `control_points` (on a section, sections), `developability` (angles in radians
-between the normals at the two ends of rulings; 0 for surfaces that unroll into the plane), `folds`, `share_within` and
+between the normals at the two ends of rulings; 0 for surfaces that unroll into the plane), `folds`, `coverage` (how near every part
+of the surface is to the points), `share_within` and
 `within_tolerance` (with a tolerance), `runs`, `points_dropped`, and of an offset `gouging` (points at which the cutter would cut into
 the shape elsewhere; they are not used).
 
-Exit status 0: the tolerance holds, or, without one, the iteration converged; 1: it does not hold, or the iteration did not converge
-(the surface is written nevertheless); 2: bad input or usage; 130: interrupted.
+Exit status 0: the tolerance holds, or, without one, the iteration converged, and every part of the surface is near points; 1: it does not
+hold, the iteration did not converge, or the surface folds, does not follow the points, or has parts without data (it is written
+nevertheless); 2: bad input or usage; 130: interrupted.
 
 Examples:
   indgeo fit-ruled blade.ply -o flank.json --control-points 20x2

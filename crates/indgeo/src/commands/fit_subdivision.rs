@@ -63,10 +63,13 @@ fn parse_format(text: &str) -> Result<Format, String> {
 const AFTER_HELP: &str = "\
 The report (--json) holds in `results`: `status`, `rms`, `max`, `max_index`, `lambda`, `history` of all iterations, `vertices` and
 `triangles` of the control mesh, `irregular` (its inner vertices without six neighbours), `start` (`coarsened` or `given`),
-`share_within` and `within_tolerance` (with a tolerance), `points_dropped`.
+`folded_edges` (at which the normals of triangles differ by more than 150 degrees, of the control mesh and the limit surface) and
+`folded_edges_of_input`, `coverage` (how near every part of the surface is to the points), `share_within` and `within_tolerance` (with a
+tolerance), `points_dropped`.
 
-Exit status 0: the tolerance holds, or, without one, the iteration converged; 1: it does not hold, or the iteration did not converge
-(files are written nevertheless); 2: bad input or usage; 130: interrupted.
+Exit status 0: the tolerance holds, or, without one, the iteration converged, and every part of the surface is near points; 1: it does not
+hold, the iteration did not converge, the limit surface has more folded edges than the input, or parts without data (files are written
+nevertheless); 2: bad input or usage; 130: interrupted.
 
 Examples:
   indgeo fit-subdivision scan.ply -o control.obj --vertices 300

@@ -31,8 +31,8 @@ pub(crate) struct Args {
     /// Share of the points that must lie within the tolerance, 0 to 1
     #[arg(long, value_name = "SHARE", default_value_t = 1.0, requires = "tolerance", value_parser = numbers::share)]
     share: f64,
-    /// Control points in u and v (to begin with, where there is a tolerance); 12x12, or those of --init, which gets more knots for
-    /// more
+    /// Control points in u and v (to begin with, where there is a tolerance); those of --init, which gets more knots for more; otherwise
+    /// 12x12, and without a tolerance more as long as the points, and not their noise, ask for them
     #[arg(long = "control-points", visible_alias = "controls", value_name = "NxM", value_parser = parse_pair)]
     controls: Option<[usize; 2]>,
     /// Most control points, for --tolerance
@@ -81,11 +81,14 @@ const AFTER_HELP: &str = "\
 The report (--json) holds in `results`: `status`, `rms`, `max`, `max_index`, `lambda`, `history` of all iterations, `base` (plane,
 cylinder, sphere or torus: what the first parameters were taken from), `start` (why, and how near the base surface and the least
 squares surface were, before the distances were minimised), `control_points`, `share_within` and `within_tolerance` (with a
-tolerance), `folds` (cells in which the surface folds back on itself), `points_dropped` (points that are not finite).
+tolerance), `folds` (cells in which the surface folds back on itself), `coverage` (how near every part of the surface is to the points:
+`rms`, `max`, `area_without_data`, in units and in spacings), `points_dropped` (points that are not finite). `max` and `share_within` are
+those of all finite points, whether they were used or not.
 
-Exit status 0: the tolerance holds, or, without one, the iteration converged; 1: it does not hold, the iteration did not converge, or
-the surface folds, is farther from the points than they are from each other, or the points are of no kind that is known (the surface
-is written nevertheless); 2: bad input or usage, as points that are not of the kind that was asked for, or not one surface; 130:
+Exit status 0: the tolerance holds, or, without one, the iteration converged, and every part of the surface is near points; 1: it does not
+hold, the iteration did not converge, or the surface folds, does not follow the points, leaves some of them out, has parts farther from
+all points than three times their spacing (or noise, or the tolerance), or the points are of no kind that is known (the surface is
+written nevertheless); 2: bad input or usage, as points that are not of the kind that was asked for, or not one surface; 130:
 interrupted.
 
 Examples:

@@ -88,8 +88,9 @@ and crossovers, the share of the points with one closest point only, and the tim
 folds after least squares and after the finish. A finish that would fold, or come no nearer to the points, is not taken, and the
 report says so.
 
-Exit status 0: the surfaces follow the points and have no folds; 1: one folds, the base surface lies over large holes, many points lie
-beyond its ends (files are written nevertheless); 2: bad input or usage, as points that do not go around the axis; 130: interrupted. The
+Exit status 0: the surfaces follow the points and have no folds; 1: one folds, the base surface lies over large holes, points are left
+out that the fitted surface (without one, the base surface) does not meet, or parts of the fitted surface are without data (files are
+written nevertheless); 2: bad input or usage, as points that do not go around the axis; 130: interrupted. The
 finish is a limited number of iterations; a warning says when it would go on.
 
 Examples:

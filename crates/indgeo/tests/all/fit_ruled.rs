@@ -39,12 +39,12 @@ fn a_hyperboloid_is_one_ruled_surface() {
     });
     bench.put("hyperboloid.xyz", text);
     let run = bench.run("fit-ruled hyperboloid.xyz -o h.json --controls 24x2 --json report.json");
-    assert!(run.code == 0 || run.code == 1, "{}{}", run.stdout, run.stderr);
+    assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
     assert!(run.stdout.contains("2 sections of 24"), "{}", run.stdout);
     let report: Value = serde_json::from_str(&bench.text("report.json")).unwrap();
     let results = &report["results"];
-    // A fit that is off, or folds, is not called converged.
-    assert!(run.code == 1 || results["rms"].as_f64().unwrap() < 4e-3, "{results}");
+    assert!(results["rms"].as_f64().unwrap() < 1e-4, "{results}");
+    assert_eq!(results["folds"]["folded"], serde_json::json!([]));
     // Normals turn along its rulings, by 90 degrees between z = ±1 where the slopes were equal.
     assert!(results["developability"]["max_angle"].as_f64().unwrap() > 0.5, "{results}");
     assert_eq!((&results["base"], net(&bench, "h.json")[0].len()), (&"cylinder".into(), 2));
@@ -85,8 +85,7 @@ fn an_offset_runs_beside_the_shape() {
         let run = bench.run(&format!(
             "fit-ruled vase.json -o axis.json --controls 20x9 --offset {radius} --json report.json"
         ));
-        // It does not converge within 100 iterations, and says so.
-        assert_eq!(run.code, 1, "{}{}", run.stdout, run.stderr);
+        assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
         // Nodes of the sections lie off the surface by the radius, on the same side as it.
         let net: Vec<String> = net(&bench, "axis.json")
             .iter()
@@ -114,8 +113,7 @@ fn open_patches_find_the_direction_of_their_rulings() {
     });
     bench.put("wave.xyz", text);
     let run = bench.run("fit-ruled wave.xyz -o wave.json --controls 14x2 --json -");
-    // It does not converge within 100 iterations, and says so.
-    assert_eq!(run.code, 1, "{}{}", run.stdout, run.stderr);
+    assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
     let results = &run.report()["results"];
     assert_eq!(results["base"], "plane");
     assert!(results["rms"].as_f64().unwrap() < 0.01, "{results}");
@@ -165,5 +163,5 @@ fn bad_input_and_usage() {
     }
     bench.put("gaps.xyz", format!("{}nan 1 2\n", vase(500)));
     let run = bench.run("fit-ruled gaps.xyz --json - --controls 10x4");
-    assert_eq!((run.code, &run.report()["results"]["points_dropped"]), (1, &1.into()), "{}", run.stderr);
+    assert_eq!((run.code, &run.report()["results"]["points_dropped"]), (0, &1.into()), "{}", run.stderr);
 }

@@ -15,6 +15,8 @@ mod fit_curve;
 mod fit_ruled;
 mod fit_subdivision;
 mod fit_surface;
+mod fits_at_limits;
+mod fits_both_ways;
 mod inspect;
 mod interrupts;
 mod magnitudes;

@@ -1,15 +1,18 @@
 //! Ruled surfaces through clouds of which nothing is known.
 
-use super::fit::{RuledFit, RuledOptions, RuledReport, fit_ruled_with_progress};
+use super::Developability;
+use super::fit::{RuledFit, RuledOptions, RuledReport, fit_ruled_within};
+use super::start::initial_ruled;
+use crate::cloud_kind::{CloudKind, cloud_kind, distance_of_far, measurable};
+use crate::coverage_surface::noise_of;
 use crate::iterate::{Progress, no_progress};
-use crate::surface::{SurfaceOptions, initial_surface, share_within};
-use crate::{BaseShape, Error, InitialSurface, NetSize, Status, Target};
+use crate::surface::apart::kept;
+use crate::surface::{SurfaceOptions, cut_to_feet};
+use crate::{BaseShape, Error, Folds, Status, SurfaceCoverage, Target};
 use mesh_core::CloudIndex;
 use nalgebra::{Point3, Vector3};
-use nurbs_core::{BsplineSurface, ParametricSurface, SurfaceFitOptions};
+use nurbs_core::BsplineSurface;
 
-/// Bending of the first least squares surface, whose domain is the unit square.
-const STIFFNESS: f64 = 1e-7;
 /// Least share of the distance of an offset that its points keep from the cloud.
 const GOUGE: f64 = 0.98;
 
@@ -129,8 +132,18 @@ pub fn fit_ruled_cloud_with_progress(
     progress: Progress<'_>,
 ) -> Result<RuledCloudFit, Error> {
     options.check()?;
-    let finite: Vec<Vector3<f64>> =
-        points.iter().filter(|p| p.iter().all(|c| c.is_finite())).copied().collect();
+    let belongs = measurable(points)?;
+    let finite = kept(points, &belongs);
+    let what = match cloud_kind(&finite)? {
+        CloudKind::Curve => Some("along a curve"),
+        CloudKind::Volume => Some("all through a volume"),
+        CloudKind::Surface => None,
+    };
+    if let Some(what) = what {
+        return Err(Error::Degenerate { shape: "a ruled surface", what });
+    }
+    let dropped = points.iter().filter(|p| !p.iter().all(|c| c.is_finite())).count();
+    let count = points.len() - dropped;
     let (start, base) = match initial {
         Some(surface) => (surface, None),
         None => {
@@ -148,9 +161,13 @@ pub fn fit_ruled_cloud_with_progress(
             }
         }
         let target = Target::Points { points: &finite, weights: None };
-        fit_ruled_with_progress(target, start, &ruled, progress)
+        fit_ruled_within(target, start, &ruled, options.abs_tolerance, progress)
     };
-    let share = |fit: &RuledFit| options.abs_tolerance.map(|t| share_within(&fit.frames, t));
+    // Points that cannot belong to the surface are outside of every tolerance.
+    let share = |fit: &RuledFit| {
+        let within = |t: f64| fit.frames.iter().filter(|f| f.distance.abs() <= t).count();
+        options.abs_tolerance.map(|t| within(t) as f64 / count.max(1) as f64)
+    };
     let good = |fit: &RuledFit| share(fit).is_none_or(|share| share >= options.share);
     let mut fit = run(start)?;
     let (mut runs, mut size) = (1, fit.report.controls);
@@ -180,50 +197,51 @@ pub fn fit_ruled_cloud_with_progress(
     }
     let share_within = share(&fit);
     let within_tolerance = good(&fit);
-    Ok(RuledCloudFit {
-        fit,
-        base,
-        share_within,
-        within_tolerance,
-        runs,
-        dropped: points.len() - finite.len(),
-    })
+    // Open ends stop where the points do; those that must keep their place stay.
+    let free = base.is_some() && !options.level && !options.ruled.fixed_ends;
+    if free && let Some(cut) = cut_to_feet(&fit.surface, &fit.frames)? {
+        fit = judged_again(&finite, cut, fit, options)?;
+    }
+    count_apart(points, &belongs, &mut fit);
+    Ok(RuledCloudFit { fit, base, share_within, within_tolerance, runs, dropped })
 }
 
-/// A ruled surface near a cloud: the least squares surface of degree 1 in v over a cylinder, with rulings along its axis, or over
-/// the principal plane, with rulings along that of its axes along which they describe the cloud better.
-///
-/// # Errors
-/// As for [`initial_surface`].
-pub fn initial_ruled(
+/// The fit with another surface that is a part of it.
+fn judged_again(
     points: &[Vector3<f64>],
-    base: BaseShape,
-    degree: usize,
-    [along, sections]: [usize; 2],
-) -> Result<InitialSurface, Error> {
-    let size = NetSize { degrees: [degree, 1], controls: [along, sections] };
-    let mut found = initial_surface(points, base, size)?;
-    if matches!(found.base, BaseShape::Sphere | BaseShape::Torus) {
-        found = initial_surface(points, BaseShape::Cylinder, size)
-            .or_else(|_| initial_surface(points, BaseShape::Plane, size))?;
+    surface: BsplineSurface,
+    mut fit: RuledFit,
+    options: &RuledCloudOptions,
+) -> Result<RuledFit, Error> {
+    fit.report.controls = [surface.knots_u().distinct_count(), surface.knots_v().distinct_count()];
+    fit.report.developability = Developability::of(&surface)?;
+    fit.report.folds = Folds::of(&surface);
+    let distances = fit.frames.iter().map(|f| f.distance.abs()).collect();
+    let noise = noise_of(distances);
+    fit.report.coverage = Some(SurfaceCoverage::of_surface(&surface, points, noise, options.abs_tolerance)?);
+    fit.surface = surface;
+    Ok(fit)
+}
+
+/// Counts the finite points that cannot belong to the surface, and their distances, in the report.
+fn count_apart(points: &[Vector3<f64>], belongs: &[bool], fit: &mut RuledFit) {
+    let place = fit.surface.control_points().first().copied().unwrap_or_else(Vector3::zeros);
+    let report = &mut fit.report.fit;
+    let finite: Vec<(&Vector3<f64>, bool)> = points
+        .iter()
+        .zip(belongs)
+        .filter(|(p, _)| p.iter().all(|c| c.is_finite()))
+        .map(|(p, b)| (p, *b))
+        .collect();
+    let numbers: Vec<usize> = (0..finite.len()).filter(|&k| finite[k].1).collect();
+    report.max_index = numbers.get(report.max_index).copied().unwrap_or(0);
+    report.samples = finite.len();
+    for (index, (point, _)) in finite.iter().enumerate().filter(|(_, (_, belongs))| !belongs) {
+        let distance = distance_of_far(point, &place);
+        if distance > report.max {
+            (report.max, report.max_index) = (distance, index);
+        }
     }
-    if found.base != BaseShape::Plane {
-        return Ok(found);
-    }
-    let turned: Vec<[f64; 2]> = found.parameters.iter().map(|&[u, v]| [v, u]).collect();
-    let knots = [found.surface.knots_u().clone(), found.surface.knots_v().clone()];
-    let middle = points.iter().sum::<Vector3<f64>>() / points.len().max(1) as f64;
-    let local: Vec<Vector3<f64>> = points.iter().map(|p| p - middle).collect();
-    let options = SurfaceFitOptions::default().with_regularization(STIFFNESS);
-    let other = BsplineSurface::approximate(knots, &turned, &local, &options)?.shape.translated(&middle)?;
-    let misfit = |surface: &BsplineSurface, parameters: &[[f64; 2]]| -> f64 {
-        let square = |(x, [u, v]): (&Vector3<f64>, &[f64; 2])| (x - surface.point(*u, *v)).norm_squared();
-        points.iter().zip(parameters).map(square).sum()
-    };
-    if misfit(&other, &turned) < misfit(&found.surface, &found.parameters) {
-        return Ok(InitialSurface { surface: other, parameters: turned, ..found });
-    }
-    Ok(found)
 }
 
 /// The sum of the rulings through the control points, from the first section to the last.

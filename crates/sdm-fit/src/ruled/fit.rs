@@ -1,12 +1,26 @@
 //! Ruled surfaces fitted to points and models.
 
 use super::{ActiveRuled, Developability};
+use crate::coverage_surface::noise_of;
 use crate::iterate::{Progress, fit_with_progress, no_progress};
+use crate::polish::{nearly_exact, polished};
 use crate::shape::ActiveShape;
-use crate::{Constraints, Error, FitOptions, FitReport, Smoothing, Target};
+use crate::surface::given::begun_at;
+use crate::surface::residual_disagreement;
+use crate::{
+    Constraints, Error, FitOptions, FitReport, Fitted, Folds, Smoothing, Status, SurfaceCoverage, Target,
+};
 use distance_field::PrincipalFrame;
 use nalgebra::Vector3;
 use nurbs_core::BsplineSurface;
+
+/// Largest factor of an energy that only places rulings where there are no data.
+const TRIFLE: f64 = 1e-8;
+
+/// Largest share of the squared distances that the fairing is by default, and change of the cost in an iteration that does not matter: where
+/// rulings slide along straight surfaces, the fairing would go on falling for very long.
+const CAP: f64 = 0.1;
+const CHANGE: f64 = 1e-3;
 
 /// How a ruled surface is fitted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,7 +36,7 @@ pub struct RuledOptions {
     /// [`ActiveRuled::with_abs_twist`]; default 0, no penalty.
     pub abs_twist: f64,
     /// The loop; the default takes second derivatives as energy, whose factor falls from 0.01 to a trifle that places rulings
-    /// where there are no data, fairs parameter lines, and stops after three iterations that change the cost by less than 0.01 %.
+    /// where there are no data, fairs parameter lines, and stops after three iterations that change the cost by less than 0.1 %.
     pub fit: FitOptions,
 }
 
@@ -33,7 +47,8 @@ impl Default for RuledOptions {
             .with_energy([0.0, 1.0, 0.0])
             .with_smoothing(smoothing)
             .with_fairing(1e-4)
-            .with_cost_tolerance(1e-4);
+            .with_fairing_cap(Some(CAP))
+            .with_cost_tolerance(CHANGE);
         Self { section_normal: None, fixed_ends: false, abs_twist: 0.0, fit }
     }
 }
@@ -75,6 +90,10 @@ pub struct RuledReport {
     pub controls: [usize; 2],
     /// How far the result is from being developable.
     pub developability: Developability,
+    /// Cells in which the surface folds back on itself.
+    pub folds: Folds,
+    /// How near the parts of the surface are to the points; `None` for a model.
+    pub coverage: Option<SurfaceCoverage>,
 }
 
 impl std::fmt::Display for RuledReport {
@@ -146,6 +165,17 @@ pub fn fit_ruled_with_progress(
     options: &RuledOptions,
     progress: Progress<'_>,
 ) -> Result<RuledFit, Error> {
+    fit_ruled_within(target, initial, options, None, progress)
+}
+
+/// The fit, with a tolerance by which the parts of the surface are judged.
+pub(super) fn fit_ruled_within(
+    target: Target<'_, 3>,
+    initial: BsplineSurface,
+    options: &RuledOptions,
+    abs_tolerance: Option<f64>,
+    progress: Progress<'_>,
+) -> Result<RuledFit, Error> {
     // Points are moved to the middle of the start, so that large coordinates lose nothing; the field of a model stays.
     let net = initial.control_points();
     let middle = match target {
@@ -154,13 +184,18 @@ pub fn fit_ruled_with_progress(
     };
     let shape = ActiveRuled::new(initial.translated(&-middle)?)?.with_abs_twist(options.abs_twist)?;
     let constraints = constraints(&shape, options)?;
-    let mut fitted = match target {
-        Target::Points { points, weights } => {
-            let local: Vec<Vector3<f64>> = points.iter().map(|p| p - middle).collect();
-            let target = Target::Points { points: &local, weights };
-            fit_with_progress(shape, target, &constraints, &options.fit, progress)?
-        }
-        Target::Model { .. } => fit_with_progress(shape, target, &constraints, &options.fit, progress)?,
+    let (mut fitted, mut coverage) = (None, None);
+    if let Target::Points { points, weights } = target {
+        let local: Vec<Vector3<f64>> = points.iter().map(|p| p - middle).collect();
+        let found = fit_to_points(shape.clone(), (&local, weights), &constraints, options, progress)?;
+        let distances = found.frames.iter().map(|f| f.distance.abs()).collect();
+        let surface = found.shape.surface();
+        coverage = Some(SurfaceCoverage::of_surface(surface, &local, noise_of(distances), abs_tolerance)?);
+        fitted = Some(found);
+    }
+    let mut fitted = match fitted {
+        Some(fitted) => fitted,
+        None => fit_with_progress(shape, target, &constraints, &options.fit, progress)?,
     };
     fitted.frames.iter_mut().for_each(|frame| frame.foot += middle);
     let surface = fitted.shape.into_surface().translated(&middle)?;
@@ -168,8 +203,36 @@ pub fn fit_ruled_with_progress(
         fit: fitted.report,
         controls: [surface.knots_u().distinct_count(), surface.knots_v().distinct_count()],
         developability: Developability::of(&surface)?,
+        folds: Folds::of(&surface),
+        coverage,
     };
     Ok(RuledFit { surface, report, frames: fitted.frames })
+}
+
+/// The fit to points, without energy at the end where these lie on the surface exactly.
+fn fit_to_points(
+    shape: ActiveRuled,
+    (points, weights): (&[Vector3<f64>], Option<&[f64]>),
+    constraints: &Constraints<3>,
+    options: &RuledOptions,
+    progress: Progress<'_>,
+) -> Result<Fitted<ActiveRuled, 3>, Error> {
+    let target = Target::Points { points, weights };
+    let begun = options.fit.with_smoothing(begun_at(points, &shape, &options.fit)?);
+    let fitted = fit_with_progress(shape, target, constraints, &begun, progress)?;
+    let is_trifle = match options.fit.smoothing {
+        Smoothing::Fixed { lambda } => lambda <= TRIFLE,
+        Smoothing::Continuation { floor, .. } => floor <= TRIFLE,
+        Smoothing::Automatic { .. } => true,
+    };
+    if !is_trifle || options.abs_twist > 0.0 || fitted.report.status == Status::Cancelled {
+        return Ok(fitted);
+    }
+    let size = points.iter().map(|p| p.amax()).fold(0.0, f64::max);
+    let nearly = nearly_exact(residual_disagreement(points, &fitted.frames)?);
+    let found = polished(&fitted, target, constraints, &options.fit, (size, nearly), progress)?;
+    let folds = |fitted: &Fitted<ActiveRuled, 3>| Folds::of(fitted.shape.surface()).count();
+    Ok(found.filter(|found| folds(found) <= folds(&fitted)).unwrap_or(fitted))
 }
 
 fn constraints(shape: &ActiveRuled, options: &RuledOptions) -> Result<Constraints<3>, Error> {

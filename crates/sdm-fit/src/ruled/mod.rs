@@ -8,11 +8,13 @@ mod active;
 mod cloud;
 mod developability;
 mod fit;
+mod start;
 
 pub use active::ActiveRuled;
 pub use cloud::{
     OffsetPoints, RuledCloudFit, RuledCloudOptions, fit_ruled_cloud, fit_ruled_cloud_with_progress,
-    initial_ruled, offset_points,
+    offset_points,
 };
 pub use developability::Developability;
 pub use fit::{RuledFit, RuledOptions, RuledReport, fit_ruled, fit_ruled_with_progress};
+pub use start::initial_ruled;

@@ -1,5 +1,6 @@
 //! Coarse control meshes from fine ones.
 
+use super::folded::MOST_NEIGHBOURS;
 use crate::Error;
 use mesh_core::{HalfEdgeMesh, TriangleMesh};
 use nalgebra::{Point3, Vector3};
@@ -113,13 +114,18 @@ impl Coarse {
 
     /// Whether the mesh stays a manifold whose inner vertices have three neighbours or more, and no triangle turns over.
     fn can_collapse(&self, a: u32, b: u32) -> bool {
+        // Two triangles vanish, and each of the others is around the one vertex that is left.
+        let triangles = |v: u32| self.around[v as usize].len();
+        if triangles(a) + triangles(b) > MOST_NEIGHBOURS + 4 {
+            return false;
+        }
         let (around_a, around_b) = (self.neighbours(a), self.neighbours(b));
         let common: Vec<u32> = around_a.intersection(&around_b).copied().collect();
         if !around_a.contains(&b) || common.len() != 2 || around_a.len() + around_b.len() < 8 {
             return false;
         }
         // Those opposite the edge lose a neighbour.
-        if common.iter().any(|&c| self.neighbours(c).len() <= if self.boundary[c as usize] { 3 } else { 4 }) {
+        if common.iter().any(|&c| triangles(c) <= if self.boundary[c as usize] { 2 } else { 4 }) {
             return false;
         }
         let middle = nalgebra::center(&self.positions[a as usize], &self.positions[b as usize]);

@@ -6,7 +6,9 @@
 mod active;
 mod coarsen;
 mod fit;
+mod folded;
 
 pub use active::ActiveLoop;
 pub use coarsen::coarsened;
 pub use fit::{SubdivisionFit, fit_subdivision, fit_subdivision_with_progress, subdivision_options};
+pub use folded::{FoldedEdges, folded_edges};

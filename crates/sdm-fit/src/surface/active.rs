@@ -344,7 +344,7 @@ impl ActiveShape<3> for ActiveSurface {
     /// Cells that fold are stiffened while the folds are small.
     fn step_taken(&mut self) {
         self.stiffness.iter_mut().for_each(|stiffness| *stiffness = (*stiffness * KEPT).max(1.0));
-        self.stiffen(&Folds::of(&self.surface).folded);
+        self.stiffen(&Folds::on_grid(&self.surface).folded);
     }
 
     fn frames(

@@ -2,6 +2,7 @@
 
 use super::initial::{BaseShape, NetSize, approximate, knots};
 use crate::Error;
+use crate::cloud_kind::tight_axes;
 use crate::primitive::{PrimitiveOptions, fit_torus, start};
 use nalgebra::{DMatrix, DVector, Vector2, Vector3};
 use nurbs_core::ParametricSurface;
@@ -23,13 +24,13 @@ const HARMONICS: usize = 3;
 
 /// A base with the parameters of the points, in the unit square.
 #[derive(Clone, Debug)]
-pub(super) struct Base {
-    pub(super) shape: BaseShape,
-    pub(super) parameters: Vec<[f64; 2]>,
+pub(crate) struct Base {
+    pub(crate) shape: BaseShape,
+    pub(crate) parameters: Vec<[f64; 2]>,
 }
 
 /// The base that was asked for, or the one over which a coarse surface is nearest to the points.
-pub(super) fn choose(points: &[Vector3<f64>], asked: BaseShape) -> Result<Base, Error> {
+pub(crate) fn choose(points: &[Vector3<f64>], asked: BaseShape) -> Result<Base, Error> {
     let none = Error::Degenerate { shape: "a closed surface", what: "on one side of every axis" };
     match asked {
         BaseShape::Plane => return Ok(plane(points)),
@@ -66,8 +67,10 @@ fn misfit(points: &[Vector3<f64>], base: &Base) -> Option<f64> {
 
 /// The principal plane.
 fn plane(points: &[Vector3<f64>]) -> Base {
+    // The principal axes of a square, or of a disk, can be any.
     let (_, axes) = start::principal(points);
-    let [u, v] = [axes[0], axes[1]].map(|axis| unit_range(points.iter().map(|p| p.dot(&axis)).collect()));
+    let [u, v] = tight_axes(points, &axes[2], &axes[0])
+        .map(|axis| unit_range(points.iter().map(|p| p.dot(&axis)).collect()));
     let parameters = u.into_iter().zip(v).map(|(u, v)| [u, v]).collect();
     Base { shape: BaseShape::Plane, parameters }
 }

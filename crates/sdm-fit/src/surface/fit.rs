@@ -1,12 +1,17 @@
 //! Surfaces fitted to clouds.
 
-use super::InitialSurface;
+use super::apart::{kept, with_apart};
 use super::folds::Folds;
+use super::given;
 use super::initial::{BaseShape, NetSize, initial_surface};
 use super::rational::{EXACT, conic_starts, improved};
 use super::runs::{Outcome, Runs, share_within};
 use super::tolerance::fit_to_tolerance;
+use super::{ActiveSurface, InitialSurface};
+use crate::cloud_kind::{CloudKind, cloud_kind, measurable};
+use crate::coverage_surface::{SurfaceCoverage, noise_of};
 use crate::iterate::{Progress, no_progress};
+use crate::polish::may_vanish;
 use crate::{Error, FitOptions, FitReport, Status, Target};
 use distance_field::PrincipalFrame;
 use nalgebra::Vector3;
@@ -39,6 +44,11 @@ pub struct SurfaceOptions {
     pub rational: bool,
     /// How often the loop goes on with more fairing around cells that are folded; default 6.
     pub unfoldings: usize,
+    /// Whether a surface on which the points lie nearly exactly is fitted on without any energy, which makes it exact where that is
+    /// possible; default yes.
+    pub exact: bool,
+    /// Whether it is measured how near the parts of the surface are to the points; default yes.
+    pub coverage: bool,
     /// The loop; the default takes second derivatives as energy, fairs parameter lines, damps steps a little, and stops after 100
     /// iterations or three that change the mean squared distance by less than 0.2 %.
     pub fit: FitOptions,
@@ -55,6 +65,8 @@ impl Default for SurfaceOptions {
             fixed_boundary: false,
             rational: false,
             unfoldings: 6,
+            exact: true,
+            coverage: true,
             fit: FitOptions::default()
                 .with_energy([0.0, 1.0, 0.0])
                 .with_tolerance(1e-6)
@@ -93,6 +105,10 @@ impl SurfaceOptions {
         with_rational(rational: bool);
         /// The same options with another number of attempts at folds.
         with_unfoldings(unfoldings: usize);
+        /// The same options with or without a last run without energy.
+        with_exact(exact: bool);
+        /// The same options with or without the distances of the surface from the points.
+        with_coverage(coverage: bool);
         /// The same options for the loop.
         with_fit(fit: FitOptions);
     }
@@ -130,6 +146,8 @@ pub struct SurfaceReport {
     pub within_tolerance: bool,
     /// Cells in which the surface folds back on itself.
     pub folds: Folds,
+    /// How near the parts of the surface are to the points, unless that was not asked for.
+    pub coverage: Option<SurfaceCoverage>,
     /// Points left out because they are not finite.
     #[cfg_attr(feature = "serde", serde(rename = "points_dropped"))]
     pub dropped: usize,
@@ -191,39 +209,71 @@ pub fn fit_cloud_with_progress(
     progress: Progress<'_>,
 ) -> Result<SurfaceFit, Error> {
     options.check()?;
-    let finite: Vec<Vector3<f64>> =
-        points.iter().filter(|p| p.iter().all(|c| c.is_finite())).copied().collect();
-    let InitialSurface { surface, base, .. } = initial_surface(&finite, options.base, options.size)?;
-    let conic = if options.rational { conic(&finite, base, options, progress)? } else { None };
-    let mut found = match conic {
-        Some(found) => found,
-        None => fit_surface_with_progress(&finite, surface, options, progress)?,
+    let belongs = measurable(points)?;
+    let used = kept(points, &belongs);
+    let what = match cloud_kind(&used)? {
+        CloudKind::Curve => Some("along a curve"),
+        CloudKind::Volume => Some("all through a volume"),
+        CloudKind::Surface => None,
     };
+    if let Some(what) = what {
+        return Err(Error::Degenerate { shape: "a surface", what });
+    }
+    let InitialSurface { surface, base, .. } = initial_surface(&used, options.base, options.size)?;
+    let conic = if options.rational { conic(&used, base, options, progress)? } else { None };
+    let (base, mut found) = match conic {
+        Some(found) => found,
+        None => (base, fit_surface_with_progress(&used, surface, options, progress)?),
+    };
+    found = with_apart(points, &belongs, found, options);
     found.report.base = Some(base);
-    found.report.dropped = points.len() - finite.len();
+    found.report.dropped = points.iter().filter(|p| !p.iter().all(|c| c.is_finite())).count();
     Ok(found)
 }
 
-/// A surface of conic arcs, if one is exact.
+/// A surface of conic arcs, if one is exact: over the base that describes the points, or, if nobody chose it, over another one.
 fn conic(
     points: &[Vector3<f64>],
     base: BaseShape,
     options: &SurfaceOptions,
     progress: Progress<'_>,
-) -> Result<Option<SurfaceFit>, Error> {
-    let options = options.with_abs_tolerance(None);
-    for start in conic_starts(points, base)? {
-        if start.control_points().len() > points.len() {
-            continue;
-        }
-        let found = fit_surface_with_progress(points, start, &options, progress)?;
-        let net = found.surface.control_points();
-        let size = net.iter().map(|p| (p - net[0]).amax()).fold(0.0, f64::max);
-        if found.report.fit.rms <= EXACT * size || found.report.fit.status == Status::Cancelled {
-            return Ok(Some(found));
+) -> Result<Option<(BaseShape, SurfaceFit)>, Error> {
+    let mut bases = vec![base];
+    if options.base == BaseShape::Auto {
+        let others = [BaseShape::Cylinder, BaseShape::Plane, BaseShape::Sphere, BaseShape::Torus];
+        bases.extend(others.into_iter().filter(|other| *other != base));
+    }
+    for (rank, base) in bases.into_iter().enumerate() {
+        // One that is not the best need not exist.
+        let starts = match conic_starts(points, base) {
+            Ok(starts) => starts,
+            Err(error) if rank == 0 => return Err(error),
+            Err(_) => continue,
+        };
+        for start in starts {
+            if start.control_points().len() > points.len() {
+                continue;
+            }
+            let found =
+                fit_surface_with_progress(points, start, &options.with_abs_tolerance(None), progress)?;
+            let net = found.surface.control_points();
+            let size = net.iter().map(|p| (p - net[0]).amax()).fold(0.0, f64::max);
+            if found.report.fit.rms <= EXACT * size || found.report.fit.status == Status::Cancelled {
+                return Ok(Some((base, within(found, options))));
+            }
         }
     }
     Ok(None)
+}
+
+/// A fit that was made without a tolerance, judged by one.
+fn within(mut found: SurfaceFit, options: &SurfaceOptions) -> SurfaceFit {
+    if let Some(tolerance) = options.abs_tolerance {
+        let share = share_within(&found.frames, tolerance);
+        found.report.share_within = Some(share);
+        found.report.within_tolerance = share >= options.share;
+    }
+    found
 }
 
 /// Fits a surface to points from where it is; `base` and `size` of the options are not looked at.
@@ -250,6 +300,24 @@ pub fn fit_surface_with_progress(
     progress: Progress<'_>,
 ) -> Result<SurfaceFit, Error> {
     options.check()?;
+    let finite = points.iter().all(|p| p.iter().all(|c| c.is_finite()));
+    if finite {
+        let belongs = measurable(points)?;
+        if belongs.iter().any(|b| !b) {
+            let found = fit_belonging(&kept(points, &belongs), initial, options, progress)?;
+            return Ok(with_apart(points, &belongs, found, options));
+        }
+    }
+    fit_belonging(points, initial, options, progress)
+}
+
+/// The fit to points that all belong to one shape.
+fn fit_belonging(
+    points: &[Vector3<f64>],
+    initial: BsplineSurface,
+    options: &SurfaceOptions,
+    progress: Progress<'_>,
+) -> Result<SurfaceFit, Error> {
     // Coordinates about the middle of the start, so that large ones lose nothing.
     let net = initial.control_points();
     let middle = net.iter().sum::<Vector3<f64>>() / net.len().max(1) as f64;
@@ -257,17 +325,35 @@ pub fn fit_surface_with_progress(
     let target = Target::Points { points: &local, weights: None };
     let surface = initial.translated(&-middle)?;
     if options.rational && surface.weights().is_some() {
-        let folds = Folds::of(&surface);
         let (found, status, steps) = improved(&local, surface, progress)?;
         let report = found.report(None, status, steps);
-        return concluded(found.surface, found.frames, report, Run { runs: 1, folds }, options, &middle);
+        let folds = Folds::of(&found.surface);
+        return concluded(
+            found.surface,
+            found.frames,
+            report,
+            Run { runs: 1, folds },
+            options,
+            (&middle, &local),
+        );
     }
-    let mut runs = Runs::new(target, options, progress);
-    let outcome = match options.abs_tolerance {
+    if surface.weights().is_none()
+        && let Some((frames, report)) = given::exact(&local, &surface, &options.fit)?
+    {
+        let folds = Folds::of(&surface);
+        return concluded(surface, frames, report, Run { runs: 0, folds }, options, (&middle, &local));
+    }
+    let mut begun = *options;
+    begun.fit.smoothing = given::begun_at(&local, &ActiveSurface::new(surface.clone())?, &options.fit)?;
+    let mut runs = Runs::new(target, &begun, progress);
+    let mut outcome = match options.abs_tolerance {
         None => runs.run(surface)?,
         Some(tolerance) => fit_to_tolerance(&mut runs, surface, tolerance)?,
     };
-    let Outcome { fitted, folds } = outcome;
+    if options.exact && options.abs_tolerance.is_none() && may_vanish(options.fit.smoothing) {
+        outcome = runs.polished(outcome, given::size_of(&local))?;
+    }
+    let Outcome { fitted, mut folds } = outcome;
     (1..).zip(&mut runs.history).for_each(|(number, step)| step.iteration = number);
     let mut report = FitReport { history: runs.history, initial_rms: runs.initial_rms, ..fitted.report };
     let (mut surface, mut frames) = (fitted.shape.into_surface(), fitted.frames);
@@ -276,9 +362,10 @@ pub fn fit_surface_with_progress(
         if found.rms() < report.rms {
             report = found.report(Some(report), status, steps);
             (surface, frames) = (found.surface, found.frames);
+            folds = Folds::of(&surface);
         }
     }
-    concluded(surface, frames, report, Run { runs: runs.count, folds }, options, &middle)
+    concluded(surface, frames, report, Run { runs: runs.count, folds }, options, (&middle, &local))
 }
 
 /// What is known of a fit besides its last run.
@@ -294,8 +381,14 @@ fn concluded(
     fit: FitReport,
     run: Run,
     options: &SurfaceOptions,
-    middle: &Vector3<f64>,
+    (middle, local): (&Vector3<f64>, &[Vector3<f64>]),
 ) -> Result<SurfaceFit, Error> {
+    let coverage = if options.coverage {
+        let distances = frames.iter().map(|f| f.distance.abs()).collect();
+        Some(SurfaceCoverage::of_surface(&surface, local, noise_of(distances), options.abs_tolerance)?)
+    } else {
+        None
+    };
     let share_within = options.abs_tolerance.map(|tolerance| share_within(&frames, tolerance));
     let within_tolerance = share_within.is_none_or(|share| share >= options.share);
     let status = fit.status.within(share_within.is_some() && within_tolerance);
@@ -307,6 +400,7 @@ fn concluded(
         share_within,
         within_tolerance,
         folds: run.folds,
+        coverage,
         dropped: 0,
     };
     frames.iter_mut().for_each(|frame| frame.foot += middle);

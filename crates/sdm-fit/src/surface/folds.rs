@@ -1,5 +1,6 @@
 //! Where a surface folds back on itself.
 
+use super::fold_bounds;
 use crate::parallel;
 use nalgebra::Vector3;
 use nurbs_core::{BsplineSurface, ParametricSurface, SurfaceJet};
@@ -12,23 +13,38 @@ pub struct Folds {
     pub cells: usize,
     /// The folded ones, by the index of their span in u and in v, in ascending order.
     pub folded: Vec<[usize; 2]>,
+    /// Parts of a span in each direction down to which folds were looked for: one that is smaller than a part may be missed.
+    pub parts_per_span: usize,
 }
 
 impl Folds {
     /// Looks for cells in which the surface folds over, so that parameter lines cross.
     ///
-    /// Normals are compared at the corners of a grid that has the ends and the middles of the knot spans as its lines. A cell is
-    /// folded where the normal jumps to the other side along an edge of this grid, however much that is refined, or where it is
-    /// reversed at a corner against what it is close by on both sides: a pleat. Ridges and thin edges, over which it turns
-    /// once by however much, are no folds, nor are poles, where it has no direction. Folds narrower than half a span may be missed.
+    /// A cell is free of folds where bounds on its normals, the Bernstein coefficients of `s_u × s_v`, show that they are on one side, in
+    /// parts down to 1/32 of a span. It is folded where the normals of such a part differ by more than a right angle, or where the
+    /// normal at a knot or half way between two is reversed against what it is close by on both sides: a pleat. Ridges and thin
+    /// edges, over which it turns once by however much, are no folds, nor are poles, where it has no direction.
+    /// Surfaces with weights are looked at along the lines of a grid only, two in each span.
     #[must_use]
     pub fn of(surface: &BsplineSurface) -> Self {
+        let mut found = Self::on_grid(surface);
+        if surface.weights().is_none() {
+            found.folded.extend(fold_bounds::folded(surface));
+            found.folded.sort_unstable();
+            found.folded.dedup();
+            found.parts_per_span = fold_bounds::PARTS;
+        }
+        found
+    }
+
+    /// The same from normals along the lines of a grid only, which has the ends and the middles of the knot spans: for looking often.
+    pub(crate) fn on_grid(surface: &BsplineSurface) -> Self {
         let corners = Corners::new(surface);
         let mut folded: Vec<[usize; 2]> =
             corners.folded().into_iter().map(|cell| cell.map(|k| k / 2)).collect();
         folded.sort_unstable();
         folded.dedup();
-        Self { cells: corners.cells.map(|n| n / 2).iter().product(), folded }
+        Self { cells: corners.cells.map(|n| n / 2).iter().product(), folded, parts_per_span: 2 }
     }
 
     /// Number of folded cells.

@@ -84,6 +84,14 @@ pub fn initial_surface(
     base: BaseShape,
     size: NetSize,
 ) -> Result<InitialSurface, Error> {
+    let (local, middle) = centred(points)?;
+    let found = choose(&local, base)?;
+    let surface = approximate(&local, &found, knots(found.shape, size)?)?.translated(&middle)?;
+    Ok(InitialSurface { surface, base: found.shape, parameters: found.parameters })
+}
+
+/// Points about their middle, and that, if they span a surface.
+pub(crate) fn centred(points: &[Vector3<f64>]) -> Result<(Vec<Vector3<f64>>, Vector3<f64>), Error> {
     if let Some(index) = points.iter().position(|p| !p.iter().all(|c| c.is_finite())) {
         let count = points.iter().filter(|p| !p.iter().all(|c| c.is_finite())).count();
         return Err(Error::NotFinite { index, count });
@@ -100,13 +108,11 @@ pub fn initial_surface(
         let what = ["in one place", "on a line"][dimensions];
         return Err(Error::Degenerate { shape: "a surface", what });
     }
-    let found = choose(&local, base)?;
-    let surface = approximate(&local, &found, knots(found.shape, size)?)?.translated(&middle)?;
-    Ok(InitialSurface { surface, base: found.shape, parameters: found.parameters })
+    Ok((local, middle))
 }
 
 /// The knots of a surface over a base.
-pub(super) fn knots(base: BaseShape, size: NetSize) -> Result<[KnotVector; 2], Error> {
+pub(crate) fn knots(base: BaseShape, size: NetSize) -> Result<[KnotVector; 2], Error> {
     let closed = base != BaseShape::Plane;
     let u = if closed {
         KnotVector::uniform_periodic(size.degrees[0], size.controls[0])?
@@ -124,7 +130,7 @@ pub(super) fn knots(base: BaseShape, size: NetSize) -> Result<[KnotVector; 2], E
 }
 
 /// The least squares surface with given knots at the parameters of a base, with poles where it has them.
-pub(super) fn approximate(
+pub(crate) fn approximate(
     points: &[Vector3<f64>],
     base: &Base,
     knots: [KnotVector; 2],

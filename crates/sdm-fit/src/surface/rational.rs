@@ -29,6 +29,7 @@ const RANGE: f64 = 6.0;
 /// Share of the size below which a surface counts as exact, and is not improved further.
 pub(super) const EXACT: f64 = 1e-9;
 const ROUNDING: f64 = 1e-13;
+const EXACTLY: f64 = 1e-11;
 /// Share of an open direction by which a start reaches beyond the points.
 const MARGIN: f64 = 0.05;
 /// Arcs of which a full turn is made.
@@ -150,6 +151,10 @@ pub(super) fn improved(
             break;
         }
         damping = (damping * 0.1).max(DAMPING[1]);
+    }
+    // Rounding keeps on changing the last digits.
+    if status == Status::MaxIterations && place.cost.sqrt() <= EXACTLY * size {
+        status = Status::Converged;
     }
     // The feet that were followed are the nearest ones, or this tells.
     let found = Weighted::new(place.surface, points, &[])?;

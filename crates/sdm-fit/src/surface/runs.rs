@@ -3,10 +3,13 @@
 use super::ActiveSurface;
 use super::fit::SurfaceOptions;
 use super::folds::Folds;
+use super::judge::residual_disagreement;
 use crate::iterate::{Progress, fit_with_progress};
+use crate::polish::{nearly_exact, polished};
 use crate::shape::ActiveShape;
 use crate::{Constraints, Error, FitOptions, Fitted, Smoothing, Status, StepRecord, Target};
 use distance_field::PrincipalFrame;
+use nalgebra::Vector3;
 use nurbs_core::BsplineSurface;
 
 /// Coefficients up to which the data are asked for the smoothing, and the factor of the energy above.
@@ -59,6 +62,14 @@ impl<'a> Runs<'a> {
         Self { target, options, progress, history: Vec::new(), count: 0, initial_rms: 0.0 }
     }
 
+    /// The points.
+    pub(super) fn points(&self) -> &'a [Vector3<f64>] {
+        match self.target {
+            Target::Points { points, .. } => points,
+            Target::Model { .. } => &[],
+        }
+    }
+
     /// Fits from a surface, and unfolds it.
     pub(super) fn run(&mut self, surface: BsplineSurface) -> Result<Outcome, Error> {
         self.run_with(surface, &self.options.fit, self.options.unfoldings)
@@ -83,6 +94,34 @@ impl<'a> Runs<'a> {
         self.run_with(surface, &fit, self.options.unfoldings)
     }
 
+    /// Goes on without any energy where the points lie on the surface nearly exactly, if that makes it exact and leaves no folds.
+    pub(super) fn polished(&mut self, outcome: Outcome, size: f64) -> Result<Outcome, Error> {
+        let constraints = self.constraints(&outcome.fitted.shape);
+        let nearly = nearly_exact(residual_disagreement(self.points(), &outcome.fitted.frames)?);
+        let found = polished(
+            &outcome.fitted,
+            self.target,
+            &constraints,
+            &self.options.fit,
+            (size, nearly),
+            self.progress,
+        )?;
+        let Some(fitted) = found else { return Ok(outcome) };
+        let folds = Folds::of(fitted.shape.surface());
+        if folds.count() > outcome.folds.count() {
+            return Ok(outcome);
+        }
+        self.history.extend_from_slice(&fitted.report.history);
+        self.count += 1;
+        Ok(Outcome { fitted, folds })
+    }
+
+    /// What the control points must keep to.
+    fn constraints(&self, shape: &ActiveSurface) -> Constraints<3> {
+        let held = if self.options.fixed_boundary { shape.boundary() } else { Vec::new() };
+        held.into_iter().fold(Constraints::none(), |all, k| all.with_held(k, shape.coefficients()[k]))
+    }
+
     fn run_with(
         &mut self,
         surface: BsplineSurface,
@@ -90,12 +129,7 @@ impl<'a> Runs<'a> {
         unfoldings: usize,
     ) -> Result<Outcome, Error> {
         let shape = ActiveSurface::new(surface)?;
-        let mut constraints = Constraints::none();
-        if self.options.fixed_boundary {
-            for k in shape.boundary() {
-                constraints = constraints.with_held(k, shape.coefficients()[k]);
-            }
-        }
+        let constraints = self.constraints(&shape);
         let fit = for_size(options, shape.coefficients().len());
         let mut fitted = fit_with_progress(shape, self.target, &constraints, &fit, self.progress)?;
         if self.count == 0 {
@@ -175,7 +209,7 @@ fn for_size(options: &FitOptions, coefficients: usize) -> FitOptions {
 }
 
 /// Share of the points within a distance; those without a foot are not within.
-pub(crate) fn share_within(frames: &[PrincipalFrame<3>], tolerance: f64) -> f64 {
+pub(super) fn share_within(frames: &[PrincipalFrame<3>], tolerance: f64) -> f64 {
     let inside = frames.iter().filter(|f| f.distance.abs() <= tolerance).count();
     inside as f64 / frames.len().max(1) as f64
 }

@@ -2,7 +2,10 @@
 
 use super::refine::{coarser, refined};
 use super::runs::{Outcome, Runs};
-use crate::Error;
+use crate::{Error, parallel};
+use distance_field::PrincipalFrame;
+use mesh_core::CloudIndex;
+use nalgebra::{Point3, Vector3};
 use nurbs_core::BsplineSurface;
 
 /// Shares of the tolerance by which the removal of knots may move the surface, tried one after the other.
@@ -19,7 +22,7 @@ pub(super) fn fit_to_tolerance(
     let options = runs.options;
     let mut outcome = runs.stage(surface, false)?;
     let mut best: Option<Outcome> = None;
-    let mut unfoldings = 0;
+    let (mut unfoldings, mut is_noise) = (0, false);
     while !outcome.is_cancelled() {
         let good = outcome.is_good(options);
         if good && (outcome.folds.count() == 0 || unfoldings >= UNFOLDINGS) {
@@ -28,7 +31,11 @@ pub(super) fn fit_to_tolerance(
         // Within the tolerance, but with cells that fold: they are too large for what is in them.
         let folded: &[[usize; 2]] = if good { &outcome.folds.folded } else { &[] };
         let (shape, frames) = (outcome.fitted.shape.surface(), &outcome.fitted.frames);
-        let Some(finer) = refined(shape, frames, (tolerance, folded), options.max_controls)? else { break };
+        let followed = without_noise(runs.points(), frames, tolerance)?;
+        is_noise = followed.iter().all(|f| f.distance.abs() <= tolerance);
+        let Some(finer) = refined(shape, &followed, (tolerance, folded), options.max_controls)? else {
+            break;
+        };
         let next = runs.stage(finer, true)?;
         if good {
             unfoldings += 1;
@@ -54,8 +61,44 @@ pub(super) fn fit_to_tolerance(
         return Ok(outcome);
     }
     let last = outcome.fitted.shape.surface().clone();
-    let last = if knots_were_inserted { runs.last(last)? } else { runs.run(last)? };
+    let few_steps = knots_were_inserted && !is_noise;
+    let last = if few_steps { runs.last(last)? } else { runs.run(last)? };
+    // Where only noise is beyond the tolerance, what it asks for counts, not the distance.
+    if is_noise && !outcome.is_good(options) && last.folds.count() <= outcome.folds.count() {
+        return Ok(last);
+    }
     Ok(better(outcome, last, runs))
+}
+
+/// Neighbours of a point that is beyond the tolerance, and share of its residual that their median must have for the surface to follow them.
+const NEIGHBOURS: usize = 6;
+const ALIKE: f64 = 0.3;
+
+/// The frames without those of points that are beyond the tolerance by themselves, their neighbours on both sides of the surface: more knots
+/// would follow noise.
+fn without_noise(
+    points: &[Vector3<f64>],
+    frames: &[PrincipalFrame<3>],
+    tolerance: f64,
+) -> Result<Vec<PrincipalFrame<3>>, Error> {
+    let places: Vec<Point3<f64>> = frames.iter().map(|f| f.foot.into()).collect();
+    let index = CloudIndex::new(&places)?;
+    let keeps = |i: usize| {
+        let frame = &frames[i];
+        if !frame.is_finite() || frame.distance.abs() <= tolerance {
+            return true;
+        }
+        let here = points[i] - frame.foot;
+        let near = index.nearest_n(&places[i], NEIGHBOURS + 1);
+        let others = near.iter().filter(|n| n.index != i);
+        let mut along: Vec<f64> = others
+            .map(|n| (points[n.index] - frames[n.index].foot).dot(&here) / here.norm_squared())
+            .collect();
+        along.sort_unstable_by(f64::total_cmp);
+        along.get(along.len() / 2).is_none_or(|median| *median >= ALIKE)
+    };
+    let kept = parallel::map(frames.len(), keeps);
+    Ok(frames.iter().zip(kept).filter(|(_, kept)| *kept).map(|(frame, _)| *frame).collect())
 }
 
 /// The later of two outcomes, unless it leaves the tolerance or folds in more cells.

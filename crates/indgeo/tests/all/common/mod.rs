@@ -3,6 +3,7 @@
 #![allow(dead_code, clippy::unwrap_used, reason = "not every test uses everything")]
 
 pub(crate) mod inputs;
+pub(crate) mod known;
 pub(crate) mod schema;
 
 use serde_json::Value;

@@ -1,0 +1,397 @@
+//! How near the parts of a surface are to the data: the other side of the distances of a fit.
+
+use crate::spacing::{LocalSpacing, distinct};
+use crate::{Error, parallel};
+use mesh_core::LoopSurface;
+use nalgebra::{Point3, Vector3};
+use nurbs_core::{BsplineSurface, KnotVector, ParametricSurface};
+
+/// Distance from the nearest point, in spacings of the data (or standard deviations of its noise), beyond which a part of a surface
+/// is without data.
+const WITHOUT_DATA: f64 = 3.0;
+/// Distance between samples of the surface, in spacings, and most samples.
+const STEP: f64 = 0.5;
+const MOST_SAMPLES: f64 = 250_000.0;
+/// Share of the samples that are nearest to the data, and the distance of the farthest of these, in spacings, where points are
+/// scattered evenly. Points in rows that are far apart are not as near to the parts between them.
+const NEAR_SHARE: f64 = 0.3;
+const NEAR: f64 = 0.337;
+/// How much larger than the one that neighbours tell the spacing may be by this.
+const IN_ROWS: f64 = 4.0;
+
+/// How near a surface is to data points: every part of it, while the report of a fit tells how near every point is to the surface.
+///
+/// The surface is sampled evenly, and the distance of each sample from the nearest data point is weighed by the area that the sample
+/// stands for. Parts farther from all points than three times their spacing, the noise, or the tolerance, are without data: a flap, a
+/// bridge, an end that runs on, or a hole of the data that the surface spans.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct SurfaceCoverage {
+    /// Root mean square distance of the surface from the nearest data point, by area.
+    pub rms: f64,
+    /// The largest distance.
+    pub max: f64,
+    /// Where it is: parameters in u and v; of a subdivision surface twice the number of the control triangle plus the first
+    /// barycentric coordinate, and the second one.
+    pub max_parameter: [f64; 2],
+    /// The largest distance in spacings of the data.
+    pub max_in_spacings: f64,
+    /// Spacing of the data: side of the square that a point has to itself; of points in rows, the larger of the two distances.
+    pub spacing: f64,
+    /// Distance from the nearest point beyond which a part is without data (where points lie wider apart, accordingly more).
+    pub limit: f64,
+    /// Area of the surface.
+    pub area: f64,
+    /// Area of the parts without data.
+    pub area_without_data: f64,
+    /// The same in squares of the spacing.
+    pub area_without_data_in_spacings: f64,
+    /// Area of the surface divided by that of its parts with data; 1 where there are no others.
+    pub area_ratio: f64,
+    /// Samples of the surface.
+    pub samples: usize,
+    /// Largest distance of neighbouring samples: what is smaller may be missed.
+    pub resolution: f64,
+}
+
+impl SurfaceCoverage {
+    /// Of a B-spline or NURBS surface; `noise` is the standard deviation of the distances of the points, `abs_tolerance` a distance
+    /// that was asked for.
+    ///
+    /// # Errors
+    /// [`Error::TooFewPoints`] for fewer than two different points.
+    pub fn of_surface(
+        surface: &BsplineSurface,
+        points: &[Vector3<f64>],
+        noise: f64,
+        abs_tolerance: Option<f64>,
+    ) -> Result<Self, Error> {
+        let data = Data::new(points, noise, abs_tolerance)?;
+        data.measure(&samples_of_surface(surface, STEP * data.spacing.typical()))
+    }
+
+    /// Of a subdivision surface, as [`of_surface`](Self::of_surface).
+    ///
+    /// # Errors
+    /// [`Error::TooFewPoints`] for fewer than two different points.
+    pub fn of_subdivision(
+        surface: &LoopSurface,
+        points: &[Vector3<f64>],
+        noise: f64,
+        abs_tolerance: Option<f64>,
+    ) -> Result<Self, Error> {
+        let data = Data::new(points, noise, abs_tolerance)?;
+        data.measure(&samples_of_subdivision(surface, STEP * data.spacing.typical()))
+    }
+
+    /// The standard deviation of noise that leaves distances, by their median.
+    #[must_use]
+    pub fn noise_of(distances: &[f64]) -> f64 {
+        noise_of(distances.iter().map(|d| d.abs()).collect())
+    }
+
+    /// Whether every part of the surface is near data points.
+    #[must_use]
+    pub fn is_complete(&self) -> bool {
+        self.max.is_finite() && self.area.is_finite() && self.area_without_data == 0.0
+    }
+}
+
+impl std::fmt::Display for SurfaceCoverage {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "surface to data rms {:.4e}, max {:.4e} ({:.1} spacings); area {:.4e}, without data {:.4e}",
+            self.rms, self.max, self.max_in_spacings, self.area, self.area_without_data
+        )
+    }
+}
+
+/// Standard deviation of noise that leaves distances: by their median, so that outliers and parts that a shape does not follow do not matter.
+pub(crate) fn noise_of(mut distances: Vec<f64>) -> f64 {
+    /// Median of the absolute value of a normal distribution.
+    const MEDIAN: f64 = 0.674_489_75;
+    distances.retain(|d| d.is_finite());
+    if distances.is_empty() {
+        return 0.0;
+    }
+    let middle = distances.len() / 2;
+    *distances.select_nth_unstable_by(middle, f64::total_cmp).1 / MEDIAN
+}
+
+/// Places on a surface.
+struct Samples {
+    places: Vec<Point3<f64>>,
+    parameters: Vec<[f64; 2]>,
+    /// The area that each stands for.
+    areas: Vec<f64>,
+    resolution: f64,
+}
+
+/// Points to which parts of a surface should be near.
+struct Data {
+    spacing: LocalSpacing,
+    /// Distance that noise or a tolerance explain.
+    explained: f64,
+}
+
+impl Data {
+    fn new(points: &[Vector3<f64>], noise: f64, abs_tolerance: Option<f64>) -> Result<Self, Error> {
+        let spacing = LocalSpacing::new(&distinct(points))?;
+        Ok(Self { spacing, explained: noise.max(abs_tolerance.unwrap_or(0.0)).max(0.0) })
+    }
+
+    fn measure(&self, samples: &Samples) -> Result<SurfaceCoverage, Error> {
+        let index = self.spacing.index();
+        let nearest = index.nearest_many(&samples.places);
+        let distance = |k: usize| nearest[k].map_or(f64::INFINITY, |n| n.distance());
+        let spacing = self.spacing.typical().max(self.between_rows(samples, &distance));
+        let limit = WITHOUT_DATA * spacing.max(self.explained);
+        // Only few samples are so far away that the spacing in their place matters.
+        let is_without = |k: usize| {
+            distance(k) > limit
+                && nearest[k].is_none_or(|n| {
+                    let local = self.spacing.around(n.index).min(IN_ROWS * spacing);
+                    distance(k) > WITHOUT_DATA * local
+                })
+        };
+        let without = parallel::map(samples.places.len(), is_without);
+        let (mut area, mut far, mut square) = (0.0, 0.0, 0.0);
+        let (mut max, mut max_parameter) = (0.0, [0.0; 2]);
+        for (k, (&part, &without)) in samples.areas.iter().zip(&without).enumerate() {
+            let d = distance(k);
+            area += part;
+            square += part * d * d;
+            if without {
+                // A part without area counts nevertheless.
+                far += part.max(f64::MIN_POSITIVE);
+            }
+            if d > max {
+                (max, max_parameter) = (d, samples.parameters[k]);
+            }
+        }
+        Ok(SurfaceCoverage {
+            rms: (square / area.max(f64::MIN_POSITIVE)).sqrt(),
+            max,
+            max_parameter,
+            max_in_spacings: max / spacing,
+            spacing,
+            limit,
+            area,
+            area_without_data: far,
+            area_without_data_in_spacings: far / (spacing * spacing),
+            area_ratio: area / (area - far).max(f64::MIN_POSITIVE),
+            samples: samples.places.len(),
+            resolution: samples.resolution,
+        })
+    }
+
+    /// The spacing that the distances of the nearest samples tell.
+    fn between_rows(&self, samples: &Samples, distance: &dyn Fn(usize) -> f64) -> f64 {
+        let mut order: Vec<(f64, f64)> =
+            samples.areas.iter().enumerate().map(|(k, a)| (distance(k), *a)).collect();
+        order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        let wanted = NEAR_SHARE * samples.areas.iter().sum::<f64>();
+        let mut sum = 0.0;
+        let quantile = order.iter().find(|(_, area)| {
+            sum += area;
+            sum >= wanted
+        });
+        let found = quantile.map_or(0.0, |(distance, _)| (distance - self.explained).max(0.0) / NEAR);
+        found.min(IN_ROWS * self.spacing.typical())
+    }
+}
+
+/// Samples of a surface, in each cell as many as its length in each direction asks for.
+fn samples_of_surface(surface: &BsplineSurface, step: f64) -> Samples {
+    let knots = [surface.knots_u(), surface.knots_v()];
+    let spans = knots.map(|k| k.spans().collect::<Vec<_>>());
+    let lengths = span_lengths(surface, knots, &spans);
+    let counts_for =
+        |step: f64| lengths.clone().map(|l| l.into_iter().map(|l| count(l, step)).collect::<Vec<usize>>());
+    let total =
+        |counts: &[Vec<usize>; 2]| counts.iter().map(|c| c.iter().sum::<usize>() as f64).product::<f64>();
+    let mut counts = counts_for(step);
+    if total(&counts) > MOST_SAMPLES {
+        counts = counts_for(step * (total(&counts) / MOST_SAMPLES).sqrt());
+    }
+    // Short spans have one sample at least: more of them than samples are thinned out evenly.
+    let places = [0, 1].map(|d| midpoints(knots[d], &spans[d], &counts[d]));
+    let columns = places[1].len();
+    let found = parallel::map(places[0].len() * columns, |k| {
+        let ((u, du), (v, dv)) = (places[0][k / columns], places[1][k % columns]);
+        let jet = surface.jet(u, v);
+        let area = jet.du.cross(&jet.dv).norm() * du * dv;
+        (Point3::from(jet.point), [u, v], area, jet.du.norm() * du, jet.dv.norm() * dv)
+    });
+    let resolution = found.iter().map(|f| f.3.max(f.4)).fold(0.0, f64::max);
+    Samples {
+        places: found.iter().map(|f| f.0).collect(),
+        parameters: found.iter().map(|f| f.1).collect(),
+        areas: found.iter().map(|f| f.2).collect(),
+        resolution,
+    }
+}
+
+/// Largest length of each span in both directions, by chords.
+fn span_lengths(surface: &BsplineSurface, knots: [&KnotVector; 2], spans: &[Vec<usize>; 2]) -> [Vec<f64>; 2] {
+    /// Chords of a span, and lines across at most.
+    const CHORDS: usize = 3;
+    const LINES: usize = 64;
+    [0, 1].map(|d| {
+        let across = &spans[1 - d];
+        let lines: Vec<f64> = (0..=2 * across.len())
+            .step_by((2 * across.len() / LINES).max(1))
+            .map(|k| {
+                let interval = knots[1 - d].span_interval(across[(k / 2).min(across.len() - 1)]);
+                interval.lerp(if k == 2 * across.len() { 1.0 } else { 0.5 * (k % 2) as f64 })
+            })
+            .collect();
+        parallel::tasks(spans[d].len(), |place| {
+            let interval = knots[d].span_interval(spans[d][place]);
+            let along = |at: f64| {
+                let place = |k: usize| {
+                    let t = interval.lerp(k as f64 / CHORDS as f64);
+                    if d == 0 { surface.point(t, at) } else { surface.point(at, t) }
+                };
+                (0..CHORDS).map(|k| (place(k + 1) - place(k)).norm()).sum::<f64>()
+            };
+            lines.iter().map(|&at| along(at)).fold(0.0, f64::max)
+        })
+    })
+}
+
+/// Parts of at most a length.
+fn count(length: f64, step: f64) -> usize {
+    let parts = (length / step).ceil();
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped; NaN becomes 0")]
+    let parts = parts.clamp(0.0, MOST_SAMPLES) as usize;
+    parts.max(1)
+}
+
+/// Middles of equal parts of spans, with the lengths of the parts.
+fn midpoints(knots: &KnotVector, spans: &[usize], counts: &[usize]) -> Vec<(f64, f64)> {
+    spans
+        .iter()
+        .zip(counts)
+        .flat_map(|(&span, &count)| {
+            let interval = knots.span_interval(span);
+            let length = interval.length() / count as f64;
+            (0..count).map(move |k| (interval.lerp((k as f64 + 0.5) / count as f64), length))
+        })
+        .collect()
+}
+
+/// Samples of a subdivision surface, in each control triangle as many as its longest edge asks for.
+fn samples_of_subdivision(surface: &LoopSurface, step: f64) -> Samples {
+    let positions = surface.positions();
+    let edge = |triangle: &[u32; 3]| {
+        let corner = |k: usize| positions[triangle[k % 3] as usize];
+        (0..3).map(|k| (corner(k + 1) - corner(k)).norm()).fold(0.0, f64::max)
+    };
+    let edges: Vec<f64> = surface.triangles().iter().map(edge).collect();
+    let parts_for = |step: f64| edges.iter().map(|&length| count(length, step)).collect::<Vec<usize>>();
+    let mut parts = parts_for(step);
+    let total = parts.iter().map(|&n| (n * n) as f64).sum::<f64>();
+    if total > MOST_SAMPLES {
+        parts = parts_for(step * (total / MOST_SAMPLES).sqrt());
+    }
+    let found = parallel::tasks(parts.len(), |triangle| {
+        let n = parts[triangle];
+        let mut out = Vec::with_capacity(n * n);
+        for i in 0..n {
+            for j in 0..n - i {
+                // The middles of the parts of a triangle that stand upright, and of those between them.
+                for third in [1.0 / 3.0, 2.0 / 3.0] {
+                    if third > 0.5 && i + j + 1 == n {
+                        continue;
+                    }
+                    let at = [(i as f64 + third) / n as f64, (j as f64 + third) / n as f64];
+                    if let Some(jet) = surface.jet(triangle, at) {
+                        let area = 0.5 * jet.first[0].cross(&jet.first[1]).norm() / (n * n) as f64;
+                        out.push((jet.position, [2.0 * triangle as f64 + at[0], at[1]], area));
+                    }
+                }
+            }
+        }
+        out
+    });
+    let resolution = edges.iter().zip(&parts).map(|(length, n)| length / *n as f64).fold(0.0, f64::max);
+    let found = found.concat();
+    Samples {
+        places: found.iter().map(|f| f.0).collect(),
+        parameters: found.iter().map(|f| f.1).collect(),
+        areas: found.iter().map(|f| f.2).collect(),
+        resolution,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The square [0, 2] × [0, 1] in the plane z = 0.
+    fn rectangle() -> BsplineSurface {
+        let knots = KnotVector::uniform_clamped(2, 5).unwrap();
+        let place = |k: usize| {
+            let at = [0.0, 1.0 / 6.0, 0.5, 5.0 / 6.0, 1.0];
+            Vector3::new(2.0 * at[k / 5], at[k % 5], 0.0)
+        };
+        BsplineSurface::new(knots.clone(), knots, (0..25).map(place).collect(), None).unwrap()
+    }
+
+    fn grid(width: f64) -> Vec<Vector3<f64>> {
+        let n = 41;
+        let at = |k: usize| Vector3::new((k / n) as f64 * width / 40.0, (k % n) as f64 / 40.0, 0.0);
+        (0..n * n).map(at).collect()
+    }
+
+    #[test]
+    fn a_surface_on_its_data_is_complete() {
+        let found = SurfaceCoverage::of_surface(&rectangle(), &grid(2.0), 0.0, None).unwrap();
+        assert!(found.is_complete(), "{found}");
+        assert!((found.area - 2.0).abs() < 1e-9 && found.area_ratio == 1.0, "{found}");
+        // Points are .05 and .025 apart.
+        assert!((0.025..0.06).contains(&found.spacing), "{found:?}");
+        assert!(found.max <= 0.5 * 0.05f64.hypot(0.025) + 1e-12 && found.rms < found.max, "{found}");
+    }
+
+    #[test]
+    fn a_half_without_data_is_told() {
+        let found = SurfaceCoverage::of_surface(&rectangle(), &grid(1.0), 0.0, None).unwrap();
+        assert!(!found.is_complete());
+        // The far edge is 1 away from the points; what is farther than three spacings from them begins there.
+        assert!((found.max - 1.0).abs() < 0.02, "{found}");
+        let expected = 1.0 - found.limit;
+        assert!((found.area_without_data - expected).abs() < 0.05, "{found:?}");
+        assert!((found.area_ratio - 2.0 / (2.0 - expected)).abs() < 0.1);
+        assert!(found.max_parameter[0] > 0.9);
+        // A tolerance, or noise, of that size explains it.
+        assert!(SurfaceCoverage::of_surface(&rectangle(), &grid(1.0), 0.0, Some(0.4)).unwrap().is_complete());
+        assert!(SurfaceCoverage::of_surface(&rectangle(), &grid(1.0), 0.4, None).unwrap().is_complete());
+    }
+
+    #[test]
+    fn rows_of_points_are_as_far_apart_as_they_are() {
+        // Rows .1 apart, with points .02 apart in them.
+        let rows: Vec<_> = (0..21 * 51)
+            .map(|k: i32| Vector3::new(f64::from(k / 51) / 10.0, f64::from(k % 51) / 50.0, 0.0))
+            .collect();
+        let found = SurfaceCoverage::of_surface(&rectangle(), &rows, 0.0, None).unwrap();
+        assert!(found.is_complete() && (0.05..0.15).contains(&found.spacing), "{found:?}");
+    }
+
+    #[test]
+    fn triangles_are_sampled_all_over() {
+        let corners =
+            [[0., 0., 0.], [4., 0., 0.], [4., 4., 0.], [0., 4., 0.], [2., 2., 0.]].map(Point3::from);
+        let triangles = vec![[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]];
+        let mesh = mesh_core::TriangleMesh::new(corners.to_vec(), triangles).unwrap();
+        let surface = LoopSurface::new(&mesh).unwrap();
+        let samples = samples_of_subdivision(&surface, 0.1);
+        // Boundary curves are B-splines through no corner: the area is that of a rounded square.
+        let area: f64 = samples.areas.iter().sum();
+        assert!(area > 8.0 && area < 16.0, "{area}");
+        assert!(samples.resolution <= 0.1 + 1e-12);
+    }
+}
