@@ -78,7 +78,11 @@ pub(crate) fn nearest(
     points: &[Vector3<f64>],
     improve: impl Fn(&Pose<3>) -> Result<RegisterReport<3>, Error>,
 ) -> Result<(RegisterReport<3>, Vec<Pose<3>>), Error> {
-    let of = |pose: &Pose<3>| group.iter().map(|motion| pose.followed_by(motion)).collect::<Vec<_>>();
+    // The first motion is the identity.
+    let of = |pose: &Pose<3>| {
+        let others = group.iter().skip(1).map(|motion| pose.followed_by(motion));
+        std::iter::once(*pose).chain(others).collect::<Vec<_>>()
+    };
     let distance = |pose: &Pose<3>| {
         let step = points.len().div_ceil(500).max(1);
         let finite = points.iter().step_by(step).filter(|x| x.iter().all(|c| c.is_finite()));

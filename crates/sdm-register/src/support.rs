@@ -13,8 +13,10 @@ use std::fmt;
 const FEW: f64 = 0.1;
 /// Points that are enough whatever their share, if the model fixes all motions and hardly any point is next to them.
 const MANY: usize = 200;
-/// Points per unknown below which those that are left of a cloud fit anything.
-const PER_UNKNOWN: usize = 2;
+/// Points per unknown below which those that are left of a cloud fit anything: of most of it, and of less than half.
+const PER_UNKNOWN: [usize; 2] = [2, 5];
+/// Share of the points that is little.
+const LITTLE: f64 = 0.5;
 /// Density of the distances beyond the limit, over that within, above which the limit separates nothing, and what is clear.
 const UNSEPARATED: f64 = 0.5;
 const CLEAR: f64 = 0.1;
@@ -22,16 +24,18 @@ const CLEAR: f64 = 0.1;
 const BEYOND: f64 = 5.0;
 /// Share of the points that count from which there is nothing to separate.
 const ALL: f64 = 0.97;
-/// Root mean square distances, as shares of the size of the points that count: what is looked at more closely, what is too much
-/// where normals disagree as well, what is too much in any case, and what is too much where locks cause it.
-const NOTED: f64 = 0.002;
-const LARGE: f64 = 0.012;
-const HUGE: f64 = 0.05;
-const HELD: f64 = 0.003;
+/// Root mean square distances, as shares of the size of the points that count: what is looked at more closely, and what is too much
+/// where locks cause it.
+const NOTED: f64 = 0.001;
+const HELD: f64 = 0.002;
+/// The same for what is too much where normals disagree as well, and what is too much in any case: where all points count, where
+/// some were left out for their distance, and where most were. What is left is to be closer then, since it was chosen to be close.
+const LARGE: [f64; 3] = [0.012, 0.006, 0.006];
+const HUGE: [f64; 3] = [0.05, 0.025, 0.015];
 /// Distances in units of the noise that the points show among themselves above which the two do not agree.
 const DISAGREEING: f64 = 3.0;
 /// Median angle between the normals of the points and of the model above which they do not agree, radians.
-const ANGLE: f64 = 0.26;
+const ANGLE: f64 = 0.06;
 /// Share of the squared distances that would go if the locked motions were free.
 const RELEASED: f64 = 0.5;
 /// Sizes of the points over that of the model between which a scale is one.
@@ -158,7 +162,8 @@ impl Support {
         if self.relative_size.is_some_and(collapsed) {
             return Some(Doubt::Collapsed);
         }
-        let is_few = self.share < 1.0 && used < PER_UNKNOWN * given.unknowns;
+        let is_little = self.share < LITTLE;
+        let is_few = self.share < 1.0 && used < PER_UNKNOWN[usize::from(is_little)] * given.unknowns;
         let stand_out =
             used >= MANY && !given.has_free_motions && self.background.is_none_or(|density| density < CLEAR);
         if is_few || self.share < FEW && !stand_out {
@@ -167,7 +172,8 @@ impl Support {
         if self.background.is_some_and(|density| density > UNSEPARATED) {
             return Some(Doubt::NoSeparation);
         }
-        if self.relative_rms > HUGE {
+        let left_out = usize::from(self.background.is_some()) + usize::from(is_little);
+        if self.relative_rms > HUGE[left_out.min(2)] {
             return Some(Doubt::LargeDistances);
         }
         if !self.exceeds_noise() {
@@ -177,7 +183,7 @@ impl Support {
             return Some(Doubt::Locks);
         }
         let disagree = self.normal_angle.is_none_or(|angle| angle > ANGLE);
-        (self.relative_rms > LARGE && disagree).then_some(Doubt::LargeDistances)
+        (self.relative_rms > LARGE[left_out.min(2)] && disagree).then_some(Doubt::LargeDistances)
     }
 
     /// Whether the distances are much larger than the noise that the points show among themselves.

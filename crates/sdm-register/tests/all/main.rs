@@ -5,6 +5,7 @@
 mod bodies;
 mod cases;
 mod common;
+mod correlated;
 mod covariance;
 mod laws;
 mod motions;

@@ -15,7 +15,7 @@ type Points = Vec<Vector3<f64>>;
 /// Points of a part of the surface of the cases (2.0 × 0.8 × 0.4), `u` and `v` from, to.
 fn part(u: [f64; 2], v: [f64; 2], count: usize, noise: f64, random: &mut Random) -> Points {
     let surface = model();
-    let mut place = |[low, high]: [f64; 2], random: &mut Random| low + (high - low) * random.uniform();
+    let place = |[low, high]: [f64; 2], random: &mut Random| low + (high - low) * random.uniform();
     (0..count)
         .map(|_| {
             let (u, v) = (place(u, random), place(v, random));
@@ -81,6 +81,11 @@ struct Tally {
 }
 
 impl Tally {
+    fn add(&mut self, what: String) {
+        eprintln!("{what}");
+        self.wrong.push(what);
+    }
+
     fn converges(
         &mut self,
         name: &str,
@@ -90,7 +95,7 @@ impl Tally {
     ) {
         let error = distance(inliers, &report.pose, &Pose::identity()) / size(inliers);
         if error > limit || !report.is_converged() {
-            self.wrong.push(format!("{name}: error {error:.1e} {report} | {}", report.support));
+            self.add(format!("{name}: error {error:.1e} {report} | {}", report.support));
         }
     }
 
@@ -98,14 +103,14 @@ impl Tally {
     fn knows(&mut self, name: &str, report: &RegisterReport<3>, inliers: &[Vector3<f64>], limit: f64) -> bool {
         let error = distance(inliers, &report.pose, &Pose::identity()) / size(inliers);
         if error > limit && report.is_converged() {
-            self.wrong.push(format!("{name}: error {error:.1e} {report} | {}", report.support));
+            self.add(format!("{name}: error {error:.1e} {report} | {}", report.support));
         }
         error <= limit && report.is_converged()
     }
 
     fn never(&mut self, name: &str, report: &RegisterReport<3>) {
         if report.is_converged() {
-            self.wrong.push(format!("{name}: {report} | {}", report.support));
+            self.add(format!("{name}: {report} | {}", report.support));
         }
     }
 
@@ -182,20 +187,47 @@ fn clouds_on_clouds_are_converged() {
     tally.check();
 }
 
+/// Pairs of views of a body that have less and less in common: placed well, or not called converged.
+#[test]
+fn views_with_little_in_common_are_placed_or_doubted() {
+    let mut tally = Tally { wrong: Vec::new() };
+    let mut placed = [0; 3];
+    for seed in 1..=4 {
+        let mut random = Random::new(seed);
+        let first = random.vector().normalize();
+        let one = bumpy(5000, Some((first, 1.25)), seed);
+        let one: Vec<_> = one.into_iter().map(Point3::from).collect();
+        let field = CloudField::new(&one, None).unwrap();
+        let across = first.cross(&random.vector()).normalize();
+        for (k, degrees) in [50.0, 70.0, 90.0].into_iter().enumerate() {
+            let angle = f64::to_radians(degrees);
+            let towards = first * angle.cos() + across * angle.sin();
+            let other = bumpy(5000, Some((towards, 1.25)), seed + 10);
+            let start = away(&other, 3.0, 0.03, &mut random);
+            let report = run(&field, &other, &start, &RegisterOptions::default());
+            let good = tally.knows(&format!("{degrees} degrees apart"), &report, &other, 5e-3);
+            eprintln!("{degrees} {good} {report} | {}", report.support);
+            placed[k] += usize::from(good);
+        }
+    }
+    assert!(placed[0] == 4 && placed[1] >= 3, "{placed:?}");
+    tally.check();
+}
+
 #[test]
 fn what_does_not_belong_together_is_never_converged() {
     let field = SurfaceField::new(&model()).unwrap();
-    let body: Vec<_> = bumpy(6000, None, 9).into_iter().map(Point3::from).collect();
+    let body: Vec<_> = bumpy(4000, None, 9).into_iter().map(Point3::from).collect();
     let body = CloudField::new(&body, None).unwrap();
     let cube = MeshField::new(&cuboid([1.0, 0.7, 0.5])).unwrap();
     let fields: [(&str, &dyn DistanceField<3>); 3] = [("surface", &field), ("body", &body), ("box", &cube)];
     let mut tally = Tally { wrong: Vec::new() };
-    for seed in 1..=4 {
+    for seed in 1..=2 {
         let mut random = Random::new(seed);
         for (name, field) in fields {
             let bounds = field.bounding_box();
             let (low, high) = (bounds.min, bounds.max);
-            for count in [200, 1000, 5000] {
+            for count in [150, 1200] {
                 for (kind, points) in [
                     ("points in the box", inside(low, high, count, &mut random)),
                     ("points around", inside(low * 2.0 - high, high * 2.0 - low, count, &mut random)),
@@ -227,34 +259,34 @@ fn what_does_not_belong_together_is_never_converged() {
 #[test]
 fn wrong_minima_are_not_called_converged() {
     let field = SurfaceField::new(&model()).unwrap();
-    let body: Vec<_> = bumpy(6000, None, 9).into_iter().map(Point3::from).collect();
+    let body: Vec<_> = bumpy(4000, None, 9).into_iter().map(Point3::from).collect();
     let body = CloudField::new(&body, None).unwrap();
     let mut tally = Tally { wrong: Vec::new() };
     let mut right = 0;
-    for seed in 1..=20 {
+    for seed in 1..=6 {
         let mut random = Random::new(seed);
         for degrees in [40.0, 90.0, 180.0] {
             for noise in [0.0, 2e-3] {
-                let points = part([0.05, 0.95], [0.05, 0.95], 1500, noise, &mut random);
+                let points = part([0.05, 0.95], [0.05, 0.95], 700, noise, &mut random);
                 let start = away(&points, degrees, 0.3, &mut random);
                 let report = run(&field, &points, &start, &RegisterOptions::default());
                 right += usize::from(tally.knows(&format!("surface {degrees} {noise}"), &report, &points, 5e-3));
-                let points = part([0.2, 0.6], [0.1, 0.9], 1500, noise, &mut random);
+                let points = part([0.2, 0.6], [0.1, 0.9], 700, noise, &mut random);
                 let start = away(&points, degrees, 0.3, &mut random);
                 let report = run(&field, &points, &start, &RegisterOptions::default());
                 right += usize::from(tally.knows(&format!("part {degrees} {noise}"), &report, &points, 5e-3));
             }
-            let points = bumpy(1500, None, seed);
+            let points = bumpy(700, None, seed);
             let start = away(&points, degrees, 0.3, &mut random);
             let report = run(&body, &points, &start, &RegisterOptions::default());
             right += usize::from(tally.knows(&format!("body {degrees}"), &report, &points, 5e-3));
-            let points = bumpy(1500, Some((Vector3::x(), 1.2)), seed);
+            let points = bumpy(700, Some((Vector3::x(), 1.2)), seed);
             let start = away(&points, degrees, 0.3, &mut random);
             let report = run(&body, &points, &start, &RegisterOptions::default());
             right += usize::from(tally.knows(&format!("view of the body {degrees}"), &report, &points, 5e-3));
         }
     }
-    assert!(right > 60, "{right}");
+    assert!(right > 15, "{right}");
     tally.check();
 }
 
