@@ -34,6 +34,7 @@ mod registering_views;
 mod registration_field;
 mod registration_model;
 mod registration_report;
+mod registration_verdict;
 mod report;
 mod selftest;
 mod session;

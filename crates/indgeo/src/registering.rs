@@ -8,10 +8,12 @@ use crate::progress::Progress;
 use crate::registration_field::{RegistrationField, locks_fit_the_plane};
 use crate::registration_model::RegistrationModel;
 use crate::registration_report::{self as found, RegistrationResults, StartResult};
+use crate::registration_verdict as verdict;
 use crate::report::{Input, ModelSummary, Output, Report, Results, Timings};
 use crate::wording::{counted, not_finite};
 use industrial_geometry::io::{self, Content, Format, ReadOptions, WriteOptions};
 use industrial_geometry::mesh::nalgebra::Vector3;
+use industrial_geometry::nurbs::Aabb;
 use industrial_geometry::register::start::{OrientedPoints, StartOptions, coarse_start};
 use industrial_geometry::register::{
     Error as RegisterError, Pose, RegisterOptions, RegisterReport, Rejection, Source, StepRecord,
@@ -117,17 +119,24 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
 
     let progress = Progress::iterations("registering", job.quiet);
     let began = Instant::now();
-    let (starts, results) = solve(job, &model, &field, &cloud, given, &progress)?;
+    let solution = solve(job, &model, &field, &cloud, given, &progress)?;
     timings.compute = began.elapsed().as_secs_f64();
     drop(progress);
-    let best = best(&starts);
     report.timings = timings;
-    write(job, content, &results[best], report)?;
-    let converged = results[best].is_converged();
-    report.count_points("points", results[best].dropped, results[best].used);
-    report.results =
-        Some(Results::Registration(Box::new(RegistrationResults::new(&results[best], starts, best))));
-    Ok(converged)
+    let Solution { starts, best, result, equivalent } = solution;
+    report.warnings.extend(verdict::warning(&result, job));
+    if equivalent.len() > 1 {
+        report.warnings.push(format!(
+            "the model has {} positions that its shape does not tell apart; this is the one nearest to the start, all are in \
+             `equivalent_poses`",
+            equivalent.len()
+        ));
+    }
+    let motion = found::transform(&result, &equivalent);
+    write(job, content, &result.pose, &motion, report)?;
+    report.count_points("points", result.dropped, result.used);
+    report.results = Some(Results::Registration(Box::new(RegistrationResults::new(motion, starts, best))));
+    Ok(result.is_converged())
 }
 
 fn warn(job: &Job<'_>, read: &io::ReadReport, report: &mut Report) {
@@ -187,15 +196,19 @@ fn solve(
     cloud: &Cloud<'_>,
     given: Option<Vec<Pose<3>>>,
     progress: &Progress,
-) -> Result<(Vec<StartResult>, Vec<RegisterReport<3>>), Error> {
+) -> Result<Solution, Error> {
     let (mut starts, mut results) = (Vec::new(), Vec::new());
-    let mut from = |origin: &'static str, pose: &Pose<3>| -> Result<f64, Error> {
+    let mut begun = Vec::new();
+    let is_good = |(share, ended_well): (f64, bool)| ended_well && share >= GOOD_SHARE;
+    let mut from = |origin: &'static str, pose: &Pose<3>| -> Result<(f64, bool), Error> {
         let began = Instant::now();
-        let result = register(job, field, cloud, pose, progress)?;
-        let (score, share) = compare(field, cloud, &result.pose);
+        let result = verdict::flat(model, &cloud.positions, register(job, field, cloud, pose, progress)?);
+        let (score, share) = compare(field, cloud, &result.pose, job.options.scale);
         starts.push(StartResult::new(origin, pose, &result, score, share, began.elapsed().as_secs_f64()));
+        let ended_well = result.is_converged();
         results.push(result);
-        Ok(share)
+        begun.push(*pose);
+        Ok((share, ended_well))
     };
     let mut search = matches!(job.start, Start::Global);
     match &given {
@@ -207,7 +220,7 @@ fn solve(
         None if !search => {
             let share = from("given", &Pose::identity())?;
             search = matches!(job.start, Start::Auto)
-                && share < GOOD_SHARE
+                && !is_good(share)
                 && !matches!(model, RegistrationModel::Curves(_) | RegistrationModel::Plane(_));
         }
         None => {}
@@ -224,7 +237,7 @@ fn solve(
         let found = found
             .map_err(|error| Error::content(job.points, error.to_string(), "check it with `indgeo info`"))?;
         for candidate in found.candidates.iter().take(CANDIDATES) {
-            if from("search", &candidate.pose)? >= GOOD_SHARE {
+            if is_good(from("search", &candidate.pose)?) {
                 break;
             }
         }
@@ -233,7 +246,16 @@ fn solve(
         let what = "no position was found in which the points lie on the model";
         return Err(Error::content(job.points, what, "give a starting pose (--init)"));
     }
-    Ok((starts, results))
+    let best = best(&starts);
+    let (mut result, mut equivalent) = (results.swap_remove(best), Vec::new());
+    if verdict::may_be_symmetric(model, &result, &job.options) {
+        let tolerance = result.covariance.as_ref().map_or(0.0, |covariance| covariance.sigma);
+        let from = if starts[best].origin == "search" { Pose::identity() } else { begun[best] };
+        let again = |pose: &Pose<3>| register(job, field, cloud, pose, progress);
+        let group = field.symmetries(&model.samples(job.model)?, tolerance);
+        (result, equivalent) = verdict::nearest(&group, result, &from, &cloud.positions, again)?;
+    }
+    Ok(Solution { starts, best, result, equivalent })
 }
 
 fn register(
@@ -264,7 +286,10 @@ fn register(
 }
 
 /// How well a pose fits: mean squared distance with a limit, as a share of the limit, and the share of the points within.
-fn compare(field: &RegistrationField, cloud: &Cloud<'_>, pose: &Pose<3>) -> (f64, f64) {
+///
+/// Where the scale is unknown the limit goes by the size of the moved points: in the size of the model, all points of a cloud that
+/// is small enough are near.
+fn compare(field: &RegistrationField, cloud: &Cloud<'_>, pose: &Pose<3>, scale: bool) -> (f64, f64) {
     let step = cloud.positions.len().div_ceil(COMPARED).max(1);
     let moved: Vec<Vector3<f64>> = cloud
         .positions
@@ -273,7 +298,8 @@ fn compare(field: &RegistrationField, cloud: &Cloud<'_>, pose: &Pose<3>) -> (f64
         .filter(|x| x.iter().all(|c| c.is_finite()))
         .map(|x| pose.apply(x))
         .collect();
-    let limit = NEAR * field.diagonal();
+    let size = Aabb::of_points(&moved).filter(|_| scale).map_or(field.diagonal(), |bounds| bounds.diagonal());
+    let limit = NEAR * size;
     let distances = field.distances(&moved);
     let (mut sum, mut near) = (0.0, 0usize);
     for distance in &distances {
@@ -285,22 +311,34 @@ fn compare(field: &RegistrationField, cloud: &Cloud<'_>, pose: &Pose<3>) -> (f64
     (sum / count, near as f64 / count)
 }
 
-/// The start whose result fits best; the first of equals.
+/// The start whose result fits best, of those that converged if any did; the first of equals.
 fn best(starts: &[StartResult]) -> usize {
-    (1..starts.len()).fold(0, |best, i| if starts[i].score < starts[best].score { i } else { best })
+    let rank = |i: usize| (starts[i].status != "converged", starts[i].score);
+    (1..starts.len()).fold(0, |best, i| if rank(i) < rank(best) { i } else { best })
+}
+
+/// What came of all starts.
+struct Solution {
+    starts: Vec<StartResult>,
+    /// The start that counts.
+    best: usize,
+    result: RegisterReport<3>,
+    /// Poses that the model does not tell apart from the result, which is the first of them; none where they were not looked for.
+    equivalent: Vec<Pose<3>>,
 }
 
 fn write(
     job: &Job<'_>,
     content: Content,
-    result: &RegisterReport<3>,
+    pose: &Pose<3>,
+    motion: &found::TransformFile,
     report: &mut Report,
 ) -> Result<(), Error> {
     let mut seconds = report.timings.write;
     Timings::measure(&mut seconds, || -> Result<(), Error> {
         if let Some(path) = job.out {
             let options = WriteOptions { format: job.format, ..WriteOptions::default() };
-            let written = files::write_content(path, &moved(content, &result.pose, job.points)?, &options)?;
+            let written = files::write_content(path, &moved(content, pose, job.points)?, &options)?;
             report
                 .warnings
                 .extend(written.warnings.iter().map(|warning| format!("{}: {warning}", path.display())));
@@ -309,7 +347,7 @@ fn write(
         }
         if let Some(path) = job.transform {
             let bytes = files::write(path, |out| {
-                serde_json::to_writer_pretty(&mut *out, &found::transform(result))?;
+                serde_json::to_writer_pretty(&mut *out, motion)?;
                 out.write_all(b"\n")
             })?;
             report.add_output(Output { path: path.to_path_buf(), bytes, content: "motion".to_owned() });

@@ -2,9 +2,10 @@
 
 use industrial_geometry::distance_field::{CurveField, DistanceField, Hint, PrincipalFrame, Search};
 use industrial_geometry::mesh::nalgebra::{Matrix3, SVector, Vector3};
+use industrial_geometry::register::start::OrientedPoints;
 use industrial_geometry::register::{
     Covariance, Error, FreeMotion, Locks, Pose, RegisterOptions, RegisterReport, Source, StepRecord,
-    register_with_progress,
+    register_with_progress, symmetries,
 };
 use std::ops::ControlFlow;
 
@@ -22,6 +23,14 @@ impl RegistrationField {
         match self {
             Self::Plane(field) => field.bounding_box().diagonal(),
             Self::Space(field) => field.bounding_box().diagonal(),
+        }
+    }
+
+    /// The motions that carry a model in space into itself but for a tolerance, the identity first.
+    pub(crate) fn symmetries(&self, samples: &OrientedPoints, abs_tolerance: f64) -> Vec<Pose<3>> {
+        match self {
+            Self::Plane(_) => vec![Pose::identity()],
+            Self::Space(field) => symmetries(field.as_ref(), samples, abs_tolerance),
         }
     }
 
@@ -122,6 +131,7 @@ fn in_space(report: RegisterReport<2>) -> RegisterReport<3> {
             target_origin: lifted(&target_origin),
         },
         status: report.status,
+        support: report.support,
         rms: report.rms,
         initial_rms: report.initial_rms,
         iterations: report.iterations,
@@ -135,6 +145,8 @@ fn in_space(report: RegisterReport<2>) -> RegisterReport<3> {
             origin: lifted(&covariance.origin),
             sigma: covariance.sigma,
             degrees_of_freedom: covariance.degrees_of_freedom,
+            points_per_independent: covariance.points_per_independent,
+            correlation_length: covariance.correlation_length,
             conditioning: covariance.conditioning,
         }),
         free_motions: report.free_motions.into_iter().map(free).collect(),

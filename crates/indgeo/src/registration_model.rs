@@ -47,7 +47,14 @@ impl RegistrationModel {
                 let what = "the model is a cloud in the plane";
                 return Err(Error::content(path, what, "give a model in space"));
             }
-            Content::Cloud(cloud) => Self::Cloud(cloud),
+            Content::Cloud(cloud) => {
+                let first = cloud.positions().first();
+                if cloud.len() > 1 && cloud.positions().iter().all(|point| Some(point) == first) {
+                    let what = format!("all {} of the model are the same", counted(cloud.len(), "point"));
+                    return Err(Error::content(path, what, "give a cloud that is dense on a surface"));
+                }
+                Self::Cloud(cloud)
+            }
         };
         Ok((model, report))
     }

@@ -1,6 +1,6 @@
 //! What a registration found, for machines.
 
-use industrial_geometry::register::{Covariance, Pose, RegisterReport, StepRecord};
+use industrial_geometry::register::{Covariance, Pose, RegisterReport, StepRecord, Support};
 use serde::Serialize;
 
 /// A motion with all that is known about it: the content of a transform file.
@@ -18,7 +18,7 @@ pub(crate) struct TransformFile {
     pub(crate) status: &'static str,
     /// Root mean square distance of the points that count.
     pub(crate) rms: f64,
-    /// The same at the start, over all points.
+    /// The same of the same points in the starting pose.
     pub(crate) initial_rms: f64,
     /// Number of steps.
     pub(crate) iterations: usize,
@@ -32,6 +32,11 @@ pub(crate) struct TransformFile {
     pub(crate) covariance: Option<Covariance<3>>,
     /// Motions that the shape does not fix.
     pub(crate) free_motions: Vec<String>,
+    /// What the points that count say about the pose.
+    pub(crate) support: Support,
+    /// Every pose that the model does not tell apart from this one because of its symmetries, this one first; none where they were
+    /// not looked for.
+    pub(crate) equivalent_poses: Vec<[[f64; 4]; 4]>,
     /// Every step.
     pub(crate) history: Vec<StepRecord>,
 }
@@ -55,8 +60,8 @@ impl Rotation {
     }
 }
 
-/// The content of the transform file of a result.
-pub(crate) fn transform(result: &RegisterReport<3>) -> TransformFile {
+/// The content of the transform file of a result, with the poses that are equivalent to it.
+pub(crate) fn transform(result: &RegisterReport<3>, equivalent: &[Pose<3>]) -> TransformFile {
     let pose = &result.pose;
     TransformFile {
         matrix: pose.to_row_major(),
@@ -73,6 +78,8 @@ pub(crate) fn transform(result: &RegisterReport<3>) -> TransformFile {
         distance_limit: result.limit,
         covariance: result.covariance.clone(),
         free_motions: result.free_motions.iter().map(ToString::to_string).collect(),
+        support: result.support,
+        equivalent_poses: equivalent.iter().map(Pose::<3>::to_row_major).collect(),
         history: result.history.clone(),
     }
 }
@@ -138,8 +145,8 @@ pub(crate) struct RegistrationResults {
 }
 
 impl RegistrationResults {
-    /// From the best result and all starts.
-    pub(crate) fn new(best: &RegisterReport<3>, starts: Vec<StartResult>, best_start: usize) -> Self {
-        Self { transform: transform(best), starts, best_start }
+    /// From the motion of the best result and all starts.
+    pub(crate) fn new(transform: TransformFile, starts: Vec<StartResult>, best_start: usize) -> Self {
+        Self { transform, starts, best_start }
     }
 }

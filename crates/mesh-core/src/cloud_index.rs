@@ -212,7 +212,8 @@ impl<const D: usize> CloudIndex<D> {
         let limit_sq = radius * radius;
         tree.visit_within(&x.coords.into(), limit_sq, |distance_sq, position| {
             if distance_sq <= limit_sq {
-                found.extend(self.neighbours_at(position, distance_sq));
+                // No more of one position: many points may share it.
+                found.extend(self.neighbours_at(position, distance_sq).take(count));
             }
         });
         let is_enough = found.len() >= count && limit_sq.is_finite();

@@ -1,6 +1,7 @@
 //! How well the pose is determined.
 
 use crate::constraint::Freedom;
+use crate::correlation::Correlation;
 use crate::eigen::Eigen;
 use crate::linearise::NormalSystem;
 use crate::motion::{MAX_UNKNOWNS, rigid_unknowns};
@@ -8,8 +9,8 @@ use crate::solve::Scaled;
 use crate::{Pose, Velocity};
 use nalgebra::{DMatrix, DVector, SVector};
 
-/// The covariance of a pose, `σ̂² (JᵀJ)⁻¹`: normally distributed distances of the points that count are assumed, with the
-/// variance `σ̂²` that the residuals show.
+/// The covariance of a pose, `k σ̂² (JᵀJ)⁻¹`: normally distributed distances of the points that count are assumed, with the
+/// variance `σ̂²` that the residuals show, of which `k` neighbouring ones count as one where they are correlated.
 ///
 /// The unknowns are the displacement of [`Covariance::origin`] and the rotation vector about it, in the model's axes, and
 /// the logarithm of the scale where that is estimated. Directions that are locked, or not fixed by the shape, have no
@@ -26,18 +27,33 @@ pub struct Covariance<const D: usize> {
     pub sigma: f64,
     /// Number of points minus number of unknowns.
     pub degrees_of_freedom: usize,
+    /// `k`, the number of points that count as one independent point; 1 where no correlation is seen.
+    pub points_per_independent: f64,
+    /// Distance up to which the residuals of neighbours are correlated, in the model's unit; 0 where no correlation is seen.
+    pub correlation_length: f64,
     /// Smallest eigenvalue of `JᵀJ` over the largest, with lengths in units of half the diagonal of the cloud.
     pub conditioning: f64,
 }
 
+/// What the residuals of the points that count add up to.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Residuals {
+    /// Sum of their weighted squares, in `unit`.
+    pub(crate) squares: f64,
+    /// The unit in which distances count, in that of the model.
+    pub(crate) unit: f64,
+    /// How they depend on each other.
+    pub(crate) correlation: Correlation,
+}
+
 impl<const D: usize> Covariance<D> {
-    /// From the sums at the end.
+    /// From the sums at the end; distances are in a unit of their own, which is given in that of the model.
     pub(crate) fn new(
         system: &NormalSystem<D>,
         freedom: &Freedom<D>,
         scaled: &Scaled,
         tangent: &DMatrix<f64>,
-        square_sum: f64,
+        residuals: &Residuals,
         scale: bool,
         origin: SVector<f64, D>,
     ) -> Self {
@@ -45,15 +61,26 @@ impl<const D: usize> Covariance<D> {
         let degrees_of_freedom = system.count.saturating_sub(unknowns);
         // Weights are relative: their mean is that of a point.
         let mean_weight = if system.count > 0 { system.weight / system.count as f64 } else { 1.0 };
-        let variance = square_sum / mean_weight / degrees_of_freedom.max(1) as f64;
-        let inverse = scaled.inverse(tangent) * (variance * mean_weight);
+        let Residuals { squares, unit, correlation } = *residuals;
+        let variance = squares / mean_weight / degrees_of_freedom.max(1) as f64;
+        // The fit takes its unknowns from the independent points, not from all.
+        let independent = system.count as f64 / correlation.per_independent;
+        let spent = |points: f64| points / (points - unknowns as f64).max(1.0);
+        let growth = if correlation.per_independent > 1.0 {
+            correlation.per_independent * spent(independent) / spent(system.count as f64)
+        } else {
+            1.0
+        };
+        let inverse = scaled.inverse(tangent) * (growth * variance * mean_weight);
         let full = &freedom.basis * inverse * freedom.basis.transpose();
         let shown = rigid_unknowns(D) + usize::from(scale);
         Self {
             rows: (0..shown.min(MAX_UNKNOWNS)).map(|i| (0..shown).map(|j| full[(i, j)]).collect()).collect(),
             origin,
-            sigma: variance.sqrt(),
+            sigma: variance.sqrt() * unit,
             degrees_of_freedom,
+            points_per_independent: correlation.per_independent,
+            correlation_length: correlation.length,
             conditioning: if scaled.extremes[1] > 0.0 {
                 scaled.extremes[0] / scaled.extremes[1]
             } else {

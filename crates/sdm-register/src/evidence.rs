@@ -32,7 +32,7 @@ impl Evidence {
     pub(crate) fn of<const D: usize>(outcome: &Outcome<D>, cloud: &Prepared<D>) -> Self {
         let distances = outcome.view.distances(&outcome.base);
         let sigma = Spread::of(&mut distances.clone(), CUT).sigma;
-        let size = cloud.diagonal * outcome.view.pose.scale;
+        let size = outcome.view.size(cloud);
         let limit = IMPOSSIBLE * sigma.max(NOISE_FLOOR * size);
         let outliers = distances.iter().filter(|d| **d > limit).count();
         Self { sigma, outliers, noisy: sigma > NOISY * size }
@@ -48,20 +48,20 @@ impl Evidence {
 /// The noise alone does not tell a good pose from a bad one: a cloud that has slid off the shape but for a few points fits it
 /// well there.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Support {
+pub(crate) struct Nearness {
     /// Mean squared distance of all points, each at most 1, in units of the distance that still is near.
     pub(crate) cost: f64,
     /// Share of the points that are near.
     share: f64,
 }
 
-impl Support {
+impl Nearness {
     pub(crate) fn of<const D: usize>(outcome: &Outcome<D>, cloud: &Prepared<D>) -> Self {
-        let limit = NEAR * cloud.diagonal * outcome.view.pose.scale;
+        let limit = NEAR * outcome.view.size(cloud);
         let (mut cost, mut near, mut weight) = (0.0, 0.0, 0.0);
-        for (i, frame) in outcome.view.frames.iter().enumerate() {
+        for i in 0..outcome.view.frames.len() {
             let own = cloud.weight(i);
-            let square = (frame.distance / limit).powi(2);
+            let square = (outcome.view.distance(i) / limit).powi(2);
             let is_near = square < 1.0;
             cost += own * if is_near { square } else { 1.0 };
             near += if is_near { own } else { 0.0 };

@@ -2,14 +2,18 @@
 
 use crate::anderson::Anderson;
 use crate::constraint::{Chart, Freedom};
+use crate::correlation::Correlation;
+use crate::covariance::Residuals;
 use crate::linearise::NormalSystem;
 use crate::report::StepRecord;
 use crate::solve::{Scaled, Spectrum};
 use crate::source::Prepared;
+use crate::support::{Circumstances, Support};
 use crate::view::{Terms, View};
 use crate::weights::{Rejection, Rule, Weighting};
 use crate::{
-    Covariance, FootpointPolicy, FreeMotion, Method, Pose, RegisterOptions, Status, StepControl, Velocity,
+    Covariance, FootpointPolicy, FreeMotion, Locks, Method, Pose, RegisterOptions, Status, StepControl,
+    Velocity,
 };
 use distance_field::{DistanceField, Search};
 use nalgebra::{DMatrix, DVector};
@@ -67,6 +71,13 @@ const DAMPING: [f64; 2] = [1e-3, 1e8];
 /// A step creeps when it lowers the cost by less than the first share, and is longer than the second share of the one before.
 /// After so many of them one after the other the rest is a motion along the shape that makes no difference.
 const CREEPING: (f64, f64, u32) = (1e-7, 0.9, 8);
+/// A step idles when it is shorter than the first number and lowers the cost by less than the second share: clouds that stand for a
+/// surface have a cost with small steps and corners, on which the iteration goes to and fro. Ended after so many in a row.
+const IDLE: (f64, f64, u32) = (1e-8, 1e-6, 3);
+/// Motions below this share of the standard error of the mean distance mean nothing either.
+const NEGLIGIBLE: f64 = 0.02;
+/// Largest growth of a step: the models of the distances know little of shapes of another size.
+const GROWTH: f64 = 0.5;
 /// Fewest directions that determine a motion.
 const fn fewest(dimension: usize) -> usize {
     dimension
@@ -100,7 +111,7 @@ impl<const D: usize> Conditioning<D> {
 
 impl<const D: usize> Problem<'_, D> {
     pub(crate) fn view(&self, cloud: &Prepared<D>, pose: Pose<D>) -> View<D> {
-        View::new(self.field, cloud, pose, Search::Global, None)
+        View::new(self.field, cloud, pose, Search::Global, None, self.options.scale)
     }
 
     fn models(&self, stage: &Stage<'_, D>, view: &View<D>, base: &[f64], weighting: &Weighting) -> Models<D> {
@@ -135,10 +146,42 @@ impl<const D: usize> Problem<'_, D> {
         let origin = outcome.view.pose.target_origin;
         let named = FreeMotion::name_all(&end.free_fields(), &origin, end.length);
         let squares = rms * rms * end.system.weight;
+        let residuals =
+            Residuals { squares, unit: outcome.view.unit(), correlation: Correlation::of(outcome, cloud) };
         let Conditioning { system, freedom, tangent, scaled, .. } = &end;
         let covariance =
-            Covariance::new(system, freedom, scaled, tangent, squares, self.options.scale, origin);
+            Covariance::new(system, freedom, scaled, tangent, &residuals, self.options.scale, origin);
         (Some(covariance), named)
+    }
+
+    /// What the points that count say about the pose at the end of a stage.
+    pub(crate) fn support(
+        &self,
+        outcome: &Outcome<D>,
+        cloud: &Prepared<D>,
+        rms: f64,
+        has_free_motions: bool,
+    ) -> Support {
+        let unknowns = self.chart.freedom(&outcome.view.pose).count();
+        let unlocked = self.options.locks.any().then(|| self.left_without_locks(outcome, cloud)).flatten();
+        let model_size = self.options.scale.then(|| self.field.bounding_box().diagonal());
+        Support::of(outcome, cloud, rms, &Circumstances { unknowns, has_free_motions, unlocked, model_size })
+    }
+
+    /// Share of the squared distances that would be left after a step without locks.
+    fn left_without_locks(&self, outcome: &Outcome<D>, cloud: &Prepared<D>) -> Option<f64> {
+        let terms = Terms { term: Method::TANGENT.term(), taylor: false, symmetric: false };
+        let view = &outcome.view;
+        let system = view.system(cloud, &outcome.base, &outcome.weighting, &terms);
+        if system.squares.is_nan() || system.squares <= 0.0 || !view.pose.is_finite() {
+            return None;
+        }
+        let free = Chart::new(Locks::default(), self.options.scale, view.pose).freedom(&view.pose);
+        let (tangent, vector) = (free.reduce(&system.tangent), free.reduce_vector(&system.vector));
+        let length = cloud.diagonal * view.pose.scale * 0.5;
+        let scaled = Scaled::new(&tangent, &free.is_translation, length, self.options.null_tolerance);
+        let step = scaled.step(&scaled.spectrum(&tangent, &vector), 0.0);
+        Some((1.0 + vector.dot(&step) / system.squares).clamp(0.0, 1.0))
     }
 
     /// The velocity fields of the motions that are not determined at the end of a stage.
@@ -173,6 +216,7 @@ impl<const D: usize> Problem<'_, D> {
             damping: 0.0,
             last_motion: f64::INFINITY,
             creeping: 0,
+            idle: 0,
             evaluations: 0,
             anderson: (stage.method == Method::AndersonPoint
                 && !self.options.locks.any()
@@ -205,6 +249,8 @@ struct Run<'a, const D: usize> {
     last_motion: f64,
     /// Steps one after the other that made no difference, see [`CREEPING`].
     creeping: u32,
+    /// The same for [`IDLE`].
+    idle: u32,
     evaluations: usize,
     anderson: Option<Anderson<D>>,
 }
@@ -258,7 +304,9 @@ impl<const D: usize> Run<'_, D> {
             // Nothing lowers the cost: at a minimum its slope is rounding only.
             let spectrum = models.newton.as_ref().map_or(&models.linear, |n| &n.1);
             let step = models.scaled.step(spectrum, 0.0);
-            let small = self.motion(&models, &step) <= ROUNDING.max(self.tolerance());
+            let (rms, points) = self.view.rms(&self.base, &self.weighting);
+            let negligible = NEGLIGIBLE * self.standard_error(rms, points);
+            let small = self.motion(&models, &step) <= ROUNDING.max(self.tolerance()).max(negligible);
             return ControlFlow::Break(if small { Status::Converged } else { Status::Stalled });
         };
         self.judge_newton(&models, &trial);
@@ -271,13 +319,13 @@ impl<const D: usize> Run<'_, D> {
             stage: self.stage.name,
             step: name,
             points,
-            rms,
+            rms: rms * self.view.unit(),
             motion: trial.motion,
             angle: velocity.angle(),
             damping: self.damping,
             factor: trial.factor,
             evaluations: self.evaluations - evaluations,
-            scale: self.weighting.scale(),
+            scale: self.weighting.scale().map(|scale| scale * self.view.unit()),
         };
         history.push(record);
         if !self.view.pose.is_finite() || !trial.cost.is_finite() {
@@ -302,11 +350,20 @@ impl<const D: usize> Run<'_, D> {
         let (gain, shrinking, most) = CREEPING;
         let creeps = models.system.cost - trial.cost < gain * models.system.cost && ratio > shrinking;
         self.creeping = if creeps { self.creeping + 1 } else { 0 };
+        let (short, no_gain, enough) = IDLE;
+        let short = short.max(NEGLIGIBLE * self.standard_error(rms, points));
+        let idles = trial.motion < short && models.system.cost - trial.cost < no_gain * models.system.cost;
+        self.idle = if idles { self.idle + 1 } else { 0 };
         // A method that is asked for by name goes on, as slowly as it does.
-        if self.stage.method == Method::Adaptive && self.creeping >= most {
+        if self.stage.method == Method::Adaptive && (self.creeping >= most || self.idle >= enough) {
             return ControlFlow::Break(Status::Converged);
         }
         ControlFlow::Continue(())
+    }
+
+    /// The standard error of a mean distance as a share of the size of the cloud: about what the noise lets a pose mean.
+    fn standard_error(&self, rms: f64, points: usize) -> f64 {
+        rms / (self.view.size(self.stage.cloud) * (points.max(1) as f64).sqrt())
     }
 
     /// The tolerance, or what rounding of the coordinates leaves of it.
@@ -344,7 +401,11 @@ impl<const D: usize> Run<'_, D> {
         self.trusted = (change - foretold).abs() <= TRUST * change.abs();
     }
 
-    fn attempt(&mut self, models: &Models<D>, step: DVector<f64>, factor: f64) -> Trial<D> {
+    fn attempt(&mut self, models: &Models<D>, mut step: DVector<f64>, factor: f64) -> Trial<D> {
+        let growth = models.freedom.velocity(&step).growth.abs();
+        if growth > GROWTH {
+            step *= GROWTH / growth;
+        }
         let pose = self.problem.chart.advance(&self.view.pose, &models.freedom, &step);
         self.attempt_pose(models, pose, step, factor)
     }
@@ -364,7 +425,8 @@ impl<const D: usize> Run<'_, D> {
             FootpointPolicy::Adaptive if motion > NEAR => Search::Global,
             FootpointPolicy::Adaptive => Search::Local,
         };
-        let view = View::new(self.problem.field, self.stage.cloud, pose, search, Some(&self.view));
+        let relative = self.problem.options.scale;
+        let view = View::new(self.problem.field, self.stage.cloud, pose, search, Some(&self.view), relative);
         self.evaluations += 1;
         let cost = view.cost(&self.base, &self.weighting);
         Trial { view, cost, step, motion, factor }

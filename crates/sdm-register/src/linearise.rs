@@ -30,6 +30,8 @@ pub(crate) struct NormalSystem<const D: usize> {
     pub(crate) force: SVector<f64, D>,
     /// `Σ ω F(x)`.
     pub(crate) cost: f64,
+    /// `Σ ω d²`.
+    pub(crate) squares: f64,
     /// `Σ ω`.
     pub(crate) weight: f64,
     /// Number of points with a weight.
@@ -46,6 +48,7 @@ impl<const D: usize> Default for NormalSystem<D> {
             moment: SMatrix::zeros(),
             force: SVector::zeros(),
             cost: 0.0,
+            squares: 0.0,
             weight: 0.0,
             count: 0,
         }
@@ -75,6 +78,7 @@ impl<const D: usize> NormalSystem<D> {
         self.moment += other.moment;
         self.force += other.force;
         self.cost += other.cost;
+        self.squares += other.squares;
         self.weight += other.weight;
         self.count += other.count;
     }
@@ -84,6 +88,18 @@ impl<const D: usize> NormalSystem<D> {
         for matrix in [&mut self.tangent, &mut self.term, &mut self.taylor] {
             matrix.fill_lower_triangle_with_upper_triangle();
         }
+    }
+
+    /// Adds the second order of a unit that grows with the cloud to the exact second derivatives: half of `e^{-2g} Σ ω d²` in the
+    /// growth `g` and the other unknowns `u`, beyond the squares of the rows, is `−g Σ ω d ⟨row, (u, g)⟩ + ½ g² Σ ω d²` with the
+    /// rows before the growth of the unit is taken from them.
+    pub(crate) fn add_second_order_of_unit(&mut self) {
+        let growth = rigid_unknowns(D);
+        for i in 0..growth {
+            self.taylor[(i, growth)] -= self.vector[i];
+            self.taylor[(growth, i)] -= self.vector[i];
+        }
+        self.taylor[(growth, growth)] -= 2.0 * self.vector[growth] + self.squares;
     }
 
     /// The second derivatives that come from the motion, not from the models, for the helical motion of a velocity:

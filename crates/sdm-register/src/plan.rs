@@ -1,11 +1,11 @@
 //! The stages of a registration in their order: coarse points before all, wide limits before narrow ones.
 
-use crate::evidence::{CUT, Evidence, NOISE_FLOOR, Support};
+use crate::evidence::{CUT, Evidence, NOISE_FLOOR, Nearness};
 use crate::iterate::{History, Outcome, Problem, Stage};
 use crate::slide_back::slide_back;
 use crate::source::Prepared;
 use crate::view::View;
-use crate::weights::{Kernel, Outliers, Rule, Weighting};
+use crate::weights::{Kernel, Outliers, Rejection, Rule, Weighting};
 use crate::{Method, Pose, Status};
 use distance_field::Spread;
 use std::rc::Rc;
@@ -24,6 +24,23 @@ const NO_WORSE: f64 = 0.1;
 const REPETITIONS: usize = 3;
 const SAME_SET: f64 = 2e-3;
 
+/// A way to narrow the limit of the distance.
+#[derive(Clone, Copy, Debug)]
+struct Way {
+    /// From which limit on points beyond the boundary are left out.
+    boundary_from: usize,
+    /// Whether only points count whose normals are those of the model, more or less.
+    facing: bool,
+}
+
+/// Largest angle between normals of points and feet that belong together, radians.
+const FACING: f64 = 0.8;
+
+/// Rules with a limit for the angle between normals, if none is given.
+fn facing_only(rejection: Rejection, facing: bool) -> Rejection {
+    if facing && rejection.normal_angle.is_none() { rejection.with_normal_angle(FACING) } else { rejection }
+}
+
 /// How a registration ends.
 #[derive(Clone, Copy, Debug)]
 enum Last {
@@ -41,6 +58,8 @@ pub(crate) struct Plan<'a, const D: usize> {
     coarse: Rc<Prepared<D>>,
     /// Share of the largest eigenvalue up to which a motion is not made.
     null_tolerance: f64,
+    /// Whether little of the cloud lies on the shape, so that what lies near it otherwise has to be told by its normals.
+    facing: bool,
     /// The rule of the last stage.
     last: Last,
     pub(crate) history: History,
@@ -54,7 +73,16 @@ impl<'a, const D: usize> Plan<'a, D> {
         let coarse = if step >= 2 { Rc::new(cloud.thinned(step)) } else { Rc::clone(&cloud) };
         let null_tolerance = problem.options.null_tolerance;
         let last = Last::Fit(Rule::Fixed(Weighting::SQUARES));
-        Self { problem, cloud, coarse, null_tolerance, last, history: History::new(), evaluations: 0 }
+        Self {
+            problem,
+            cloud,
+            coarse,
+            null_tolerance,
+            facing: false,
+            last,
+            history: History::new(),
+            evaluations: 0,
+        }
     }
 
     /// The points of the stages that only have to come near.
@@ -184,11 +212,13 @@ impl<'a, const D: usize> Plan<'a, D> {
     /// Points beyond the boundary of the shape have their feet there and draw the cloud inwards. That is wrong where the
     /// shape is only a part of what was scanned, but leads back a cloud that has slid off the shape: they are left out from
     /// the limit with the index `boundary_from` on.
-    fn narrow(&mut self, view: View<D>, kernel: Kernel, boundary_from: usize) -> Outcome<D> {
-        let coarse = Rc::clone(&self.coarse);
-        let size = coarse.diagonal * view.pose.scale;
+    fn narrow(&mut self, view: View<D>, kernel: Kernel, way: Way) -> Outcome<D> {
+        let Way { boundary_from, facing } = way;
+        let coarse =
+            if facing { Rc::new(self.coarse.with_estimated_normals()) } else { Rc::clone(&self.coarse) };
+        let size = view.size(&coarse);
         let mut view = view;
-        let given = self.problem.options.rejection;
+        let given = facing_only(self.problem.options.rejection, facing);
         for (index, limit) in self.problem.options.limits.into_iter().enumerate() {
             let rule = Rule::Fixed(Weighting::Kernel { kernel, scale: limit * size });
             let stage = Stage {
@@ -219,17 +249,21 @@ impl<'a, const D: usize> Plan<'a, D> {
     /// The best of several ways to narrow the limit, by the support of all points: more ways are tried as long as less than
     /// a certain share of the points supports the best one.
     ///
-    /// From the start with and without the points beyond the boundary, and from where least squares over all points lead.
+    /// From the start with and without the points beyond the boundary, from where least squares over all points lead, and with those
+    /// points alone that face the way of the model.
     fn narrow_well(&mut self, start: &View<D>, plain: Option<&View<D>>, kernel: Kernel) -> Outcome<D> {
-        let mut best = self.narrow(start.clone(), kernel, 0);
-        let mut support = Support::of(&best, &self.coarse);
-        let ways = [(Some(start), 2), (plain, 0), (plain, 2)];
-        for (from, boundary_from) in ways.into_iter().filter_map(|(from, way)| Some((from?, way))) {
+        let mut best = self.narrow(start.clone(), kernel, Way { boundary_from: 0, facing: false });
+        let mut support = Nearness::of(&best, &self.coarse);
+        let ways = [(Some(start), 2, false), (plain, 0, false), (plain, 2, false), (Some(start), 0, true)];
+        let ways = ways
+            .into_iter()
+            .filter_map(|(from, boundary_from, facing)| Some((from?, Way { boundary_from, facing })));
+        for (from, way) in ways {
             if best.status == Status::Cancelled || support.is_enough() {
                 break;
             }
-            let other = self.narrow(from.clone(), kernel, boundary_from);
-            let others = Support::of(&other, &self.coarse);
+            let other = self.narrow(from.clone(), kernel, way);
+            let others = Nearness::of(&other, &self.coarse);
             if other.status == Status::Cancelled || others.cost < support.cost {
                 (best, support) = (other, others);
             }
@@ -247,10 +281,13 @@ impl<'a, const D: usize> Plan<'a, D> {
         }
         let view = self.all_points(near);
         let base = view.base_weights(&self.cloud, &self.problem.options.rejection);
-        let size = self.cloud.diagonal * view.pose.scale;
+        let size = view.size(&self.cloud);
         let limit = self.problem.options.limits[2] * size;
         let estimated = Rule::Estimated { kernel, limit, floor: NOISE_FLOOR * size };
-        let scale = abs_scale.or_else(|| estimated.weighting(&mut view.distances(&base)).scale());
+        // The given one is in the unit of the model.
+        let scale = abs_scale
+            .map(|scale| scale / view.unit())
+            .or_else(|| estimated.weighting(&mut view.distances(&base)).scale());
         let scale = scale.unwrap_or(limit);
         let rule = Rule::Fixed(Weighting::Kernel { kernel, scale });
         self.last = Last::Fit(rule);
@@ -275,6 +312,7 @@ impl<'a, const D: usize> Plan<'a, D> {
             let better = Evidence::of(&robust, &coarse);
             let worse_noise = if evidence.outliers > 0 { 1.05 } else { 0.5 };
             if better.sigma <= worse_noise * evidence.sigma || !plain.status.is_converged() {
+                self.facing = !Nearness::of(&robust, &coarse).is_enough();
                 let view = self.all_points(robust);
                 return self.cut(view);
             }
@@ -295,8 +333,11 @@ impl<'a, const D: usize> Plan<'a, D> {
     /// is the noise.
     fn cut(&mut self, view: View<D>) -> Outcome<D> {
         self.last = Last::Cut;
-        let size = self.cloud.diagonal * view.pose.scale;
-        let rejection = self.problem.options.rejection.with_boundary(true);
+        let size = view.size(&self.cloud);
+        let rejection = facing_only(self.problem.options.rejection, self.facing).with_boundary(true);
+        if self.facing {
+            self.cloud = Rc::new(self.cloud.with_estimated_normals());
+        }
         let cloud = Rc::clone(&self.cloud);
         let judge = |view: &View<D>| {
             let base = view.base_weights(&cloud, &rejection);

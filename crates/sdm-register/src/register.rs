@@ -1,13 +1,19 @@
 //! Registration of a cloud to a shape.
 
 use crate::constraint::Chart;
-use crate::iterate::{Problem, Progress};
+use crate::evidence::Nearness;
+use crate::iterate::{Outcome, Problem, Progress};
 use crate::plan::Plan;
+use crate::scale_start;
 use crate::source::Prepared;
-use crate::weights::Weighting;
-use crate::{Error, Pose, RegisterOptions, RegisterReport, Source, StepRecord};
+use crate::support::Doubt;
+use crate::{Error, Pose, RegisterOptions, RegisterReport, Source, Status, StepRecord};
 use distance_field::DistanceField;
 use std::ops::ControlFlow;
+
+/// Share of the points, and their root mean square distance as a share of their size, that leave no doubt about a scale.
+const SURE_SHARE: f64 = 0.9;
+const SURE_RMS: f64 = 1e-3;
 
 /// A progress callback that does nothing.
 ///
@@ -50,29 +56,88 @@ pub fn register_with_progress<const D: usize>(
     let (dropped, taking_part) = (cloud.dropped, cloud.points.len());
     let chart = Chart::new(options.locks, options.scale, start);
     let problem = Problem { field, chart: &chart, options, progress };
+    let from = if options.scale { best_scale(&problem, &cloud, &start) } else { start };
     let mut plan = Plan::new(&problem, cloud);
-    let view = plan.first_view(start);
+    let view = plan.first_view(from);
     if view.frames.iter().all(|frame| !frame.is_finite()) {
         return Err(Error::EmptyModel { points: taking_part });
     }
-    let base = view.base_weights(plan.coarse(), &options.rejection);
-    let initial_rms = view.rms(&base, &Weighting::SQUARES).0;
     let outcome = plan.run(view);
+    let seen = plan.seen_by(&outcome.view);
+    let unit = outcome.view.unit();
     let (rms, used) = outcome.view.rms(&outcome.base, &outcome.weighting);
-    let (covariance, free_motions) = problem.analyse(&outcome, plan.seen_by(&outcome.view), rms);
+    let (covariance, free_motions) = problem.analyse(&outcome, seen, rms);
+    let support = problem.support(&outcome, seen, rms, !free_motions.is_empty());
+    let doubt = support.doubt.filter(|_| outcome.status.is_converged());
+    let initial_rms = rms_elsewhere(&problem, seen, &outcome, start);
     Ok(RegisterReport {
         covariance,
         free_motions,
         pose: outcome.view.pose,
-        status: outcome.status,
-        rms,
+        status: doubt.map_or(outcome.status, Doubt::status),
+        support,
+        rms: rms * unit,
         initial_rms,
         iterations: plan.history.len(),
         evaluations: plan.evaluations,
         points: source.points.len(),
         dropped,
         used,
-        limit: outcome.weighting.scale(),
+        limit: outcome.weighting.scale().map(|limit| limit * unit),
         history: plan.history,
     })
+}
+
+/// The root mean square distance in another pose of the points that count in an outcome, with their weights there.
+fn rms_elsewhere<const D: usize>(
+    problem: &Problem<'_, D>,
+    cloud: &Prepared<D>,
+    outcome: &Outcome<D>,
+    pose: Pose<D>,
+) -> f64 {
+    let weight = |i: usize| {
+        if outcome.base[i] > 0.0 {
+            outcome.base[i] * outcome.weighting.worth(outcome.view.distance(i)).weight
+        } else {
+            0.0
+        }
+    };
+    let picked: Vec<usize> = (0..cloud.points.len()).filter(|&i| weight(i) > 0.0).collect();
+    let view = problem.view(&cloud.picked(&picked), pose);
+    let sums = picked.iter().zip(&view.frames).filter(|(_, frame)| frame.is_finite()).fold(
+        (0.0, 0.0),
+        |(squares, weights), (&i, frame)| {
+            let weight = weight(i);
+            (squares + weight * frame.distance * frame.distance, weights + weight)
+        },
+    );
+    if sums.1 > 0.0 { (sums.0 / sums.1).sqrt() } else { 0.0 }
+}
+
+/// Where to start with an unknown scale: the end of the best of registrations of some of the points from several sizes.
+fn best_scale<const D: usize>(problem: &Problem<'_, D>, cloud: &Prepared<D>, start: &Pose<D>) -> Pose<D> {
+    let few = Plan::new(problem, cloud.clone()).coarse().clone();
+    let mut best: Option<(f64, Pose<D>)> = None;
+    for pose in scale_start::poses(&problem.field.bounding_box(), cloud, start) {
+        let mut plan = Plan::new(problem, few.clone());
+        let view = plan.first_view(problem.chart.held(&pose));
+        let outcome = plan.run(view);
+        if outcome.status == Status::Cancelled {
+            break;
+        }
+        let (rms, used) = outcome.view.rms(&outcome.base, &outcome.weighting);
+        let support = problem.support(&outcome, &few, rms, false);
+        let nearness = Nearness::of(&outcome, &few);
+        if support.doubt.is_some() || !outcome.view.pose.is_finite() {
+            continue;
+        }
+        if best.as_ref().is_none_or(|(cost, _)| nearness.cost < *cost) {
+            best = Some((nearness.cost, outcome.view.pose));
+        }
+        let is_good = used as f64 >= SURE_SHARE * few.points.len() as f64 && support.relative_rms < SURE_RMS;
+        if is_good && outcome.status.is_converged() {
+            break;
+        }
+    }
+    best.map_or(*start, |(_, pose)| pose)
 }

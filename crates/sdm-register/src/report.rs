@@ -1,6 +1,6 @@
 //! What a registration found.
 
-use crate::{Covariance, FreeMotion, Pose, Status};
+use crate::{Covariance, FreeMotion, Pose, Status, Support};
 
 /// One step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,8 +38,10 @@ pub struct RegisterReport<const D: usize> {
     pub status: Status,
     /// Root mean square distance of the points that count, with their weights.
     pub rms: f64,
-    /// The same before the first step, over all points.
+    /// The same of the same points, with the same weights, in the starting pose.
     pub initial_rms: f64,
+    /// What the points that count say about the pose, and why it is not believed where it is not.
+    pub support: Support,
     /// Number of steps on all points, and on the coarse ones.
     pub iterations: usize,
     /// How many times the footpoints of a cloud were found, trial steps included.
@@ -75,6 +77,9 @@ impl<const D: usize> std::fmt::Display for RegisterReport<D> {
             "{} after {} steps, rms {:.4e}, {} of {} points",
             self.status, self.iterations, self.rms, self.used, self.points
         )?;
+        if let Some(doubt) = self.support.doubt {
+            write!(f, " ({}: {})", doubt.name(), self.support)?;
+        }
         for (i, motion) in self.free_motions.iter().enumerate() {
             write!(f, "{} {motion}", if i == 0 { "; not fixed:" } else { "," })?;
         }

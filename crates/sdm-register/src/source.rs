@@ -2,6 +2,7 @@
 
 use crate::Error;
 use crate::parallel;
+use crate::support::plane_normals;
 use mesh_core::spatial_order;
 use nalgebra::{Point, SMatrix, SVector};
 
@@ -126,6 +127,14 @@ impl<const D: usize> Prepared<D> {
             weights: at(&self.weights, pick),
             ..*self
         }
+    }
+
+    /// The same with normals of planes through neighbours, where there are none; 0 where the neighbours are not flat.
+    pub(crate) fn with_estimated_normals(&self) -> Self {
+        if !self.normals.is_empty() {
+            return self.clone();
+        }
+        Self { normals: plane_normals(&self.points), ..self.clone() }
     }
 
     pub(crate) fn weight(&self, i: usize) -> f64 {

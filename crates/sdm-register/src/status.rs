@@ -16,14 +16,18 @@ pub enum Status {
     MaxIterations,
     /// The iteration met values that are not finite.
     Diverged,
-    /// Too few points have a weight: the cloud and the shape do not overlap as far as the rules for the weights go.
+    /// Points and shape lie in a plane each, in which nothing fixes the motion.
+    Underdetermined,
+    /// Too few points lie on the shape for the pose to mean anything.
     NoOverlap,
+    /// The iteration converged, but the points do not speak for the pose; [`Support::doubt`](crate::Support::doubt) says why.
+    Doubtful,
     /// The caller cancelled.
     Cancelled,
 }
 
 impl Status {
-    /// Whether the pose is a local minimum.
+    /// Whether the pose is a local minimum that the points speak for.
     #[must_use]
     pub fn is_converged(self) -> bool {
         matches!(self, Self::Converged)
@@ -38,6 +42,8 @@ impl Status {
             Self::MaxIterations => "max_iterations",
             Self::Diverged => "diverged",
             Self::NoOverlap => "no_overlap",
+            Self::Doubtful => "doubtful",
+            Self::Underdetermined => "underdetermined",
             Self::Cancelled => "cancelled",
         }
     }

@@ -1,7 +1,7 @@
 //! A pose with the footpoints of the cloud in it, and what they add up to.
 
-use crate::linearise::{NormalSystem, add_square};
-use crate::motion::{Pose, Velocity};
+use crate::linearise::{NormalSystem, Unknowns, add_square};
+use crate::motion::{Pose, Velocity, rigid_unknowns};
 use crate::parallel;
 use crate::source::Prepared;
 use crate::weights::{Rejection, Weighting};
@@ -13,6 +13,9 @@ use nalgebra::SVector;
 pub(crate) struct View<const D: usize> {
     pub(crate) pose: Pose<D>,
     pub(crate) frames: Vec<PrincipalFrame<D>>,
+    /// Whether distances count in the unit of the source, as they do where the scale is an unknown: in that of the model a
+    /// cloud that shrinks to a point would fit anything.
+    relative: bool,
 }
 
 /// What the sums are made of.
@@ -34,6 +37,7 @@ impl<const D: usize> View<D> {
         pose: Pose<D>,
         search: Search,
         before: Option<&Self>,
+        relative: bool,
     ) -> Self {
         let linear = pose.rotation * pose.scale;
         let points = parallel::map(cloud.points.len(), |i| linear * cloud.points[i] + pose.target_origin);
@@ -42,7 +46,24 @@ impl<const D: usize> View<D> {
             _ => Vec::new(),
         };
         let search = if hints.is_empty() { Search::Global } else { search };
-        Self { pose, frames: field.frames(&points, search, &hints) }
+        Self { pose, frames: field.frames(&points, search, &hints), relative }
+    }
+
+    /// The unit in which distances count, in that of the model.
+    #[inline]
+    pub(crate) fn unit(&self) -> f64 {
+        if self.relative { self.pose.scale } else { 1.0 }
+    }
+
+    /// The distance of a point as it counts, signed.
+    #[inline]
+    pub(crate) fn distance(&self, i: usize) -> f64 {
+        self.frames[i].distance / self.unit()
+    }
+
+    /// The size of a cloud in the unit in which distances count.
+    pub(crate) fn size(&self, cloud: &Prepared<D>) -> f64 {
+        if self.relative { cloud.diagonal } else { cloud.diagonal * self.pose.scale }
     }
 
     /// The points in the order of the elements of the shape on which they have their feet; `None` if that is their order.
@@ -58,7 +79,7 @@ impl<const D: usize> View<D> {
 
     /// Some of the points, or all, in another order.
     pub(crate) fn picked(&self, pick: &[usize]) -> Self {
-        Self { pose: self.pose, frames: pick.iter().map(|&i| self.frames[i]).collect() }
+        Self { frames: pick.iter().map(|&i| self.frames[i]).collect(), ..*self }
     }
 
     /// The weight of each point before any kernel: 0 for those without a footpoint and those that are rejected.
@@ -78,7 +99,7 @@ impl<const D: usize> View<D> {
 
     /// The distances of the points that have a weight, not negative.
     pub(crate) fn distances(&self, base: &[f64]) -> Vec<f64> {
-        self.frames.iter().zip(base).filter(|(_, w)| **w > 0.0).map(|(f, _)| f.distance.abs()).collect()
+        (0..self.frames.len()).filter(|&i| base[i] > 0.0).map(|i| self.distance(i).abs()).collect()
     }
 
     /// `Σ ω ρ(d²)` over the points with a weight; a point without a footpoint makes it infinite.
@@ -87,7 +108,7 @@ impl<const D: usize> View<D> {
             let mut sum = 0.0;
             for i in range {
                 if base[i] > 0.0 {
-                    let distance = self.frames[i].distance;
+                    let distance = self.distance(i);
                     sum += base[i]
                         * if distance.is_nan() { f64::INFINITY } else { weighting.worth(distance).cost };
                 }
@@ -102,7 +123,7 @@ impl<const D: usize> View<D> {
         let parts = parallel::ranges(self.frames.len(), |range| {
             let mut sums = (0.0, 0.0, 0);
             for i in range {
-                let distance = self.frames[i].distance;
+                let distance = self.distance(i);
                 let weight = if base[i] > 0.0 { base[i] * weighting.worth(distance).weight } else { 0.0 };
                 if weight > 0.0 {
                     sums = (sums.0 + weight * distance * distance, sums.1 + weight, sums.2 + 1);
@@ -123,6 +144,7 @@ impl<const D: usize> View<D> {
         terms: &Terms,
     ) -> NormalSystem<D> {
         let linear = self.pose.rotation * self.pose.scale;
+        let unit = self.relative.then_some(self.pose.scale);
         let parts = parallel::ranges(self.frames.len(), |range| {
             let mut system = NormalSystem::default();
             for i in range {
@@ -130,7 +152,7 @@ impl<const D: usize> View<D> {
                     let normal = if terms.symmetric { cloud.normals.get(i) } else { None };
                     let normal = normal.map(|n| self.pose.rotate(n));
                     let y = linear * cloud.points[i];
-                    add_point(&mut system, &self.frames[i], &y, normal, base[i], weighting, terms);
+                    add_point(&mut system, &self.frames[i], &y, unit, normal, base[i], weighting, terms);
                 }
             }
             system
@@ -140,22 +162,46 @@ impl<const D: usize> View<D> {
             total.merge(part);
         }
         total.mirror();
+        if self.relative && terms.taylor {
+            total.add_second_order_of_unit();
+        }
         total
     }
 }
 
+/// The share of each unknown in the change of a distance along `e`, in the unit in which it counts.
+///
+/// With a unit that grows with the cloud, `d/s`, growth by `g` takes `g d` from the change.
+#[inline]
+fn row_of<const D: usize>(
+    e: &SVector<f64, D>,
+    y: &SVector<f64, D>,
+    unit: Option<f64>,
+    distance: f64,
+) -> Unknowns {
+    let mut row = Velocity::<D>::row(e, y);
+    if let Some(unit) = unit {
+        row /= unit;
+        row[rigid_unknowns(D)] -= distance;
+    }
+    row
+}
+
 /// Adds one point, `y` its position relative to the origin of the motion.
 #[inline]
+#[allow(clippy::too_many_arguments, reason = "one call, in the innermost loop")]
 fn add_point<const D: usize>(
     system: &mut NormalSystem<D>,
     frame: &PrincipalFrame<D>,
     y: &SVector<f64, D>,
+    unit: Option<f64>,
     normal: Option<SVector<f64, D>>,
     base: f64,
     weighting: &Weighting,
     terms: &Terms,
 ) {
-    let worth = weighting.worth(frame.distance);
+    let distance = unit.map_or(frame.distance, |unit| frame.distance / unit);
+    let worth = weighting.worth(distance);
     system.cost += base * worth.cost;
     if worth.weight <= 0.0 {
         return;
@@ -163,16 +209,18 @@ fn add_point<const D: usize>(
     let weight = base * worth.weight;
     system.weight += weight;
     system.count += 1;
+    system.squares += weight * distance * distance;
     let along = frame.normal();
     if let Some(normal) = normal.filter(|n| terms.symmetric && n.norm_squared() > 0.0) {
-        add_symmetric(system, frame, y, &normal, weight);
+        add_symmetric(system, frame, y, unit, &normal, weight);
         return;
     }
-    let row = Velocity::<D>::row(&along, y);
+    let row = row_of(&along, y, unit, distance);
     add_square::<D>(&mut system.tangent, &row, weight);
-    system.add_gradient(&row, weight * frame.distance);
+    system.add_gradient(&row, weight * distance);
     if terms.taylor {
-        system.add_moment(&(along * (weight * frame.distance)), y);
+        let gradient = along * (weight * distance);
+        system.add_moment(&unit.map_or(gradient, |unit| gradient / unit), y);
         if worth.bend != 0.0 {
             add_square::<D>(&mut system.taylor, &row, base * worth.bend);
         }
@@ -180,7 +228,7 @@ fn add_point<const D: usize>(
     for k in 0..D - 1 {
         let axis = frame.axes.column(k).into_owned();
         if k >= frame.tangent_dimension {
-            let row = Velocity::<D>::row(&axis, y);
+            let row = row_of(&axis, y, unit, 0.0);
             add_square::<D>(&mut system.tangent, &row, weight);
             continue;
         }
@@ -193,7 +241,7 @@ fn add_point<const D: usize>(
         if share == 0.0 && exact == 0.0 {
             continue;
         }
-        let row = Velocity::<D>::row(&axis, y);
+        let row = row_of(&axis, y, unit, 0.0);
         if share != 0.0 {
             add_square::<D>(&mut system.term, &row, weight * share);
         }
@@ -209,6 +257,7 @@ fn add_symmetric<const D: usize>(
     system: &mut NormalSystem<D>,
     frame: &PrincipalFrame<D>,
     y: &SVector<f64, D>,
+    unit: Option<f64>,
     normal: &SVector<f64, D>,
     weight: f64,
 ) {
@@ -216,7 +265,8 @@ fn add_symmetric<const D: usize>(
     let side = if normal.dot(&along) < 0.0 { -1.0 } else { 1.0 };
     let mean = (along + normal * side) * 0.5;
     let gap = along * frame.distance;
-    let row = Velocity::<D>::row(&mean, &(y - gap * 0.5));
+    let height = mean.dot(&gap) / unit.unwrap_or(1.0);
+    let row = row_of(&mean, &(y - gap * 0.5), unit, height);
     add_square::<D>(&mut system.tangent, &row, weight);
-    system.add_gradient(&row, weight * mean.dot(&gap));
+    system.add_gradient(&row, weight * height);
 }

@@ -156,8 +156,11 @@ With --max-angle a point without a normal (zero, not finite) does not count. Cur
 have nothing to compare with, and refuse it.
 
 With several starts each is reported (`starts`); the one that leaves the least distance counts.
-Exit status 0: converged; 1: not converged (status max_iterations, stalled, diverged), or no overlap (files are written nevertheless);
-2: bad input or usage; 130: interrupted.
+Status: converged; doubtful (the iteration converged, but the points do not speak for the pose: `support` has the numbers and the
+reason); no_overlap (hardly any points lie on the model); underdetermined (points and model are clouds in a plane each);
+max_iterations, stalled, diverged. docs/when-not-to-trust-a-registration.md explains them. Of poses that a symmetric model does not
+tell apart the one nearest to the start is taken, and all are listed (`equivalent_poses`).
+Exit status 0: converged; 1: any other status (files are written nevertheless); 2: bad input or usage; 130: interrupted.
 
 Examples:
   indgeo register part.stl scan.ply -o moved.ply --transform pose.json

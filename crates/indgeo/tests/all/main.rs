@@ -26,6 +26,7 @@ mod parameterize;
 mod project;
 mod reading;
 mod register;
+mod register_verdicts;
 mod register_views;
 mod report;
 mod selftest;

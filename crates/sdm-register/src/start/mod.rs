@@ -19,6 +19,7 @@ mod search;
 mod thin;
 
 pub(crate) use placement::Placement;
+pub(crate) use search::{axis_placements, refine_placement};
 
 pub use options::{StartMethod, StartOptions};
 pub use oriented::OrientedPoints;

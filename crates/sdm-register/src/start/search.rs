@@ -44,6 +44,9 @@ const WIDEST: f64 = 0.04;
 /// The search ends when its best pose was met in this many rounds.
 const VOTES: usize = 3;
 
+/// Radius of inertia of a body of the size 1, about.
+const RADIUS: f64 = 0.3;
+
 /// Scores above this share of the best one make the best one ambiguous.
 const RIVAL: f64 = 0.97;
 
@@ -130,6 +133,27 @@ impl CoarseStart {
         }
         Ok(run.report(&centre, cancelled))
     }
+}
+
+/// Placements of points on themselves, by their principal axes.
+pub(crate) fn axis_placements(points: &OrientedPoints) -> Vec<Placement> {
+    axes::candidates(points, points)
+}
+
+/// Improves placements of points on themselves, whose size is 1, by `count` of them; of those that are the same, one is returned,
+/// with the share of the points that comes to lie near.
+pub(crate) fn refine_placement(
+    points: &OrientedPoints,
+    placements: &[Placement],
+    count: usize,
+) -> Vec<(f64, Placement)> {
+    let some: Vec<usize> = (0..points.len()).step_by((points.len() / count.max(1)).max(1)).collect();
+    let (scorer, cloud) = (Scorer::new(points.clone(), false), points.scaled(&some, &Vector3::zeros(), 1.0));
+    let found = parallel::tasks(placements.len(), |k| {
+        let placement = refine(placements[k], &scorer, &cloud, cloud.len(), FINE);
+        (scorer.share_and_rms(&placement, &cloud, cloud.len(), MEDIUM).0, placement)
+    });
+    distinct(found, SAME, RADIUS, placements.len())
 }
 
 /// The state of one search.

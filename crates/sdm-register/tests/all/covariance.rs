@@ -69,7 +69,9 @@ fn by_hand<const D: usize>(
         let weight = weights[i] / mean_weight;
         let image = pose.apply(&points[i]);
         let (normal, distance) = face(&image);
-        let all = row(&normal, &(image - origin));
+        let mut all = row(&normal, &(image - origin));
+        // Distances count in the unit of the source, which grows with it.
+        *all.last_mut().unwrap() -= distance;
         let row = basis.tr_mul(&DVector::from_fn(basis.nrows(), |k, _| all[k]));
         matrix += &row * row.transpose() * weight;
         gradient += &row * (weight * distance);

@@ -5,10 +5,14 @@
 mod bodies;
 mod cases;
 mod common;
+mod correlated;
 mod covariance;
 mod laws;
 mod motions;
 mod robust;
+mod scales;
 mod start;
+mod symmetry;
 mod targets;
+mod verdicts;
 mod views;

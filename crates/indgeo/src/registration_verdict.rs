@@ -1,0 +1,117 @@
+//! What the end of a registration is worth: the words for a doubt, flat clouds, and poses that a symmetric model does not tell apart.
+
+use crate::error::Error;
+use crate::registering::Job;
+use crate::registration_model::RegistrationModel;
+use industrial_geometry::mesh::nalgebra::Vector3;
+use industrial_geometry::register::{Doubt, Pose, RegisterOptions, RegisterReport, Status, is_flat};
+
+/// The result, unless cloud and model both are clouds in a plane: then nothing fixes the motions in it.
+pub(crate) fn flat(
+    model: &RegistrationModel,
+    points: &[Vector3<f64>],
+    result: RegisterReport<3>,
+) -> RegisterReport<3> {
+    let RegistrationModel::Cloud(cloud) = model else { return result };
+    if matches!(result.status, Status::Cancelled | Status::Diverged) || !is_flat(points) {
+        return result;
+    }
+    let positions: Vec<Vector3<f64>> = cloud.positions().iter().map(|point| point.coords).collect();
+    let status = if is_flat(&positions) { Status::Underdetermined } else { result.status };
+    RegisterReport { status, ..result }
+}
+
+/// What is to be said about a result.
+pub(crate) fn warning(result: &RegisterReport<3>, job: &Job<'_>) -> Option<String> {
+    let (points, model) = (job.points.display(), job.model.display());
+    let support = &result.support;
+    if result.status == Status::Underdetermined {
+        return Some(format!(
+            "{points} and {model} lie in a plane each, in which nothing fixes the motion: give a model with some depth, or a profile \
+             as a NURBS curve of the plane"
+        ));
+    }
+    let advice = match support.doubt {
+        None if result.status == Status::NoOverlap => {
+            return Some(format!("no points of {points} are left that count; give a better start (--init)"));
+        }
+        None if support.exceeds_noise() && support.relative_rms > 0.01 => {
+            return Some(format!(
+                "{points} deviates from {model} by much more than its own noise ({support}): the pose is the best fit of a part \
+                 that differs from its model, if it is the right part and place"
+            ));
+        }
+        None => return None,
+        Some(Doubt::FewPoints) => {
+            "hardly any points lie on the model: check that both are of the same part and in the same unit (--scale), give a start \
+             (--init), or choose --start global"
+        }
+        Some(Doubt::NoSeparation) => {
+            "as many points are just beside the model as on it, as where surfaces cross: give another start (--init), or choose \
+             --start global"
+        }
+        Some(Doubt::Locks) => {
+            "the locked degrees of freedom keep the points off the model: lock less, or start nearer"
+        }
+        Some(Doubt::Collapsed) => {
+            "the estimated scale is none: give a start with about the right scale (--init)"
+        }
+        Some(_) => {
+            "the points are much farther from the model than their own noise: another part, another place (--start global, --init), \
+             or another unit (--scale)"
+        }
+    };
+    Some(format!("the pose is not to be trusted ({support}): {advice}"))
+}
+
+/// Whether it makes sense to look for poses that the model does not tell apart.
+pub(crate) fn may_be_symmetric(
+    model: &RegistrationModel,
+    result: &RegisterReport<3>,
+    options: &RegisterOptions<3>,
+) -> bool {
+    let has_area = matches!(model, RegistrationModel::Surfaces(_) | RegistrationModel::Mesh(_));
+    has_area && result.is_converged() && result.free_motions.is_empty() && !options.locks.any()
+}
+
+/// Of the poses that a symmetric model does not tell apart, the one nearest to the start, improved from there, and all of them.
+pub(crate) fn nearest(
+    group: &[Pose<3>],
+    result: RegisterReport<3>,
+    start: &Pose<3>,
+    points: &[Vector3<f64>],
+    improve: impl Fn(&Pose<3>) -> Result<RegisterReport<3>, Error>,
+) -> Result<(RegisterReport<3>, Vec<Pose<3>>), Error> {
+    // The first motion is the identity.
+    let of = |pose: &Pose<3>| {
+        let others = group.iter().skip(1).map(|motion| pose.followed_by(motion));
+        std::iter::once(*pose).chain(others).collect::<Vec<_>>()
+    };
+    let distance = |pose: &Pose<3>| {
+        let step = points.len().div_ceil(500).max(1);
+        let finite = points.iter().step_by(step).filter(|x| x.iter().all(|c| c.is_finite()));
+        finite.map(|x| (pose.apply(x) - start.apply(x)).norm_squared()).sum::<f64>()
+    };
+    let poses = of(&result.pose);
+    let nearest = (1..poses.len()).fold(0, |best, i| {
+        // Of equals, the first.
+        if distance(&poses[i]) < distance(&poses[best]) * (1.0 - 1e-6) { i } else { best }
+    });
+    if nearest == 0 {
+        return Ok((result, poses));
+    }
+    let other = improve(&poses[nearest])?;
+    if !other.is_converged() || other.rms > result.rms * 1.01 + 1e-12 * result.pose.target_origin.norm() {
+        return Ok((result, poses));
+    }
+    let poses = of(&other.pose);
+    // What was told of the way there is that of the first result.
+    let other = RegisterReport {
+        initial_rms: result.initial_rms,
+        iterations: result.iterations + other.iterations,
+        evaluations: result.evaluations + other.evaluations,
+        history: [result.history, other.history].concat(),
+        ..other
+    };
+    Ok((other, poses))
+}
