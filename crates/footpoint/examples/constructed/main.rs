@@ -104,6 +104,14 @@ fn run(
             println!("  {name} {i}: {:?} is {truth} away: {found:?}", x.as_slice());
         }
     }
+    if details {
+        print!("  mean by kind of query:");
+        for kind in 0..8 {
+            let of_kind: Vec<f64> = seconds.iter().copied().skip(kind).step_by(8).collect();
+            print!(" {:.1}", of_kind.iter().sum::<f64>() / of_kind.len() as f64 * 1e6);
+        }
+        println!();
+    }
     let mean = seconds.iter().sum::<f64>() / seconds.len() as f64;
     let slowest = (0..seconds.len()).max_by(|&a, &b| seconds[a].total_cmp(&seconds[b])).unwrap_or(0);
     let most = seconds[slowest];

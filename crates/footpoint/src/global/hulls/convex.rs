@@ -140,6 +140,7 @@ impl Bend {
 }
 
 /// Middle and half of the length of the ranges of the third derivatives `uuu`, `uuv`, `uvv`, `vvv` of `g`, from those of the net.
+#[inline(always)]
 pub(super) fn thirds(ranges: &Ranges, thirds: &[[[f64; 2]; 4]; COMPONENTS], limit_sq: f64) -> [[f64; 2]; 4] {
     let mut sums = [[0.0; 2]; 4];
     for (c, ([value, u, v, uu, uv, vv], third)) in ranges.parts.iter().zip(thirds).enumerate() {
@@ -167,6 +168,7 @@ pub(super) fn thirds(ranges: &Ranges, thirds: &[[[f64; 2]; 4]; COMPONENTS], limi
 /// In coordinates `s` along the flattest direction there and `t` across it, `g` is at least a polynomial in `s` and, for each `s`, a
 /// parabola in `t` whose lowest point may lie off the line `t = 0` by as much as the valley bends. What this takes off grows with the
 /// fourth power of the size of a part along a valley in which the distance does not change, in whatever direction it runs.
+#[inline(always)]
 pub(super) fn valley(
     layout: Layout,
     net: &[f64],

@@ -88,9 +88,18 @@ impl<const K: usize> PatchSet<K> {
         gap: &Gap,
         scratch: &mut Scratch<K>,
     ) -> f64 {
+        let patch = &self.patches[index];
+        let layout = Layout::new(patch.degrees(), patch.rational);
         vectorized(
             #[inline(always)]
-            || self.prove_by_hulls_inline(x, index, best, gap, scratch),
+            || {
+                // Degrees known to the compiler make loops of known lengths.
+                if K == 1 && layout == Layout::BICUBIC {
+                    self.prove_by_hulls_inline(x, index, Layout::BICUBIC, best, gap, scratch)
+                } else {
+                    self.prove_by_hulls_inline(x, index, layout, best, gap, scratch)
+                }
+            },
         )
     }
 
@@ -99,13 +108,13 @@ impl<const K: usize> PatchSet<K> {
         &self,
         x: &Vector3<f64>,
         index: usize,
+        layout: Layout,
         best: &mut Foot,
         gap: &Gap,
         scratch: &mut Scratch<K>,
     ) -> f64 {
         let patch = &self.patches[index];
         let y = x - patch.centre;
-        let layout = Layout::new(patch.degrees(), patch.rational);
         let length = layout.length();
         let cost =
             COST + u32::try_from(layout.count() * (layout.p + layout.q) / UNIT).unwrap_or(u32::MAX / 2);
