@@ -6,7 +6,7 @@
 //! is the mean as a multiple of one evaluation of point and derivatives of a bicubic surface in the same run.
 //!
 //! `constructed [COUNT [REPEATS [NAME]]]`: queries per shape (default 400), runs per query (default 3), shapes whose name
-//! contains NAME, then with their slowest query.
+//! contains NAME, then with their slowest query and the means of the eight kinds of query (see [`queries`]).
 
 mod oracle;
 mod queries;

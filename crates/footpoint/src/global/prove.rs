@@ -27,7 +27,7 @@ const MAX_DEPTH: u32 = 80;
 
 /// Boxes that are examined in this way before the rest is left to the control nets (see [`hulls`](super::hulls)), by the length of the
 /// rows.
-const QUICK: [u32; 3] = [32, 24, 0];
+const QUICK: [u32; 3] = [32, 24, 1];
 
 /// What each of them costs, in units of [`max_boxes`](crate::ProjectionOptions::max_boxes).
 const COST: [u32; 4] = [16, 40, 80, 150];
@@ -89,17 +89,17 @@ impl<const K: usize> PatchSet<K> {
         let patch = &self.patches[index];
         let y = x - patch.centre;
         let m = patch.rows();
+        if self.is_tiled(index) {
+            let limit_sq = gap.limit_sq(best.distance_sq);
+            let floor = self.prove_divided(x, index, best, gap, scratch);
+            return limit_sq.min(floor * floor);
+        }
         let mut boxes = 0u32;
         let quick = QUICK[K.min(QUICK.len()) - 1];
         let cost = COST[K.min(COST.len()) - 1];
         'restart: loop {
             let limit_sq = gap.limit_sq(best.distance_sq);
             scratch.regions.clear();
-            if quick == 0 {
-                scratch.regions.push(Region::UNIT);
-                let floor = self.prove_by_hulls(x, index, best, gap, scratch);
-                return limit_sq.min(floor * floor);
-            }
             scratch.rows.resize(m, zero_row());
             self.form(patch, &y, limit_sq, &mut scratch.rows[..m]);
             let noise = self.noise(patch, &y, &Region::UNIT);

@@ -8,6 +8,9 @@ use nurbs_core::MAX_DEGREE;
 /// Components of a control point, `w (p − x)` and `w`.
 pub(super) const COMPONENTS: usize = 4;
 
+/// Degree of approximations.
+pub(super) const REDUCED: usize = 5;
+
 /// Ranges over a part, as middle and half of the length.
 pub(super) struct Ranges {
     /// By component: value, `u`, `v`, `uu`, `uv`, `vv`.
@@ -23,6 +26,32 @@ impl Ranges {
     }
 }
 
+/// How much value, `u`, `v`, `uu`, `uv`, `vv`, `uuu`, `uuv`, `uvv`, `vvv` of any component may differ from what a net tells: coordinates,
+/// and the weight.
+pub(super) type Reduction = [[f64; 10]; 2];
+
+impl Ranges {
+    /// Adds what the components may differ by.
+    #[inline(always)]
+    pub(super) fn widen(&mut self, reduction: &Reduction) {
+        for c in 0..COMPONENTS {
+            for k in 0..6 {
+                self.parts[c][k][1] += reduction[usize::from(c == 3)][k];
+            }
+        }
+    }
+}
+
+/// The same for third derivatives.
+#[inline(always)]
+pub(super) fn widen_thirds(thirds: &mut [[[f64; 2]; 4]; COMPONENTS], reduction: &Reduction) {
+    for c in 0..COMPONENTS {
+        for k in 0..4 {
+            thirds[c][k][1] += reduction[usize::from(c == 3)][6 + k];
+        }
+    }
+}
+
 /// The degrees of a net and how its numbers are laid out: component by component, each row by row in `u`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Layout {
@@ -34,6 +63,12 @@ pub(super) struct Layout {
 
 impl Layout {
     pub(super) const BICUBIC: Self = Self { p: 3, q: 3, components: COMPONENTS - 1 };
+
+    /// That of approximations.
+    #[inline(always)]
+    pub(super) const fn reduced(rational: bool) -> Self {
+        Self { p: REDUCED, q: REDUCED, components: if rational { COMPONENTS } else { COMPONENTS - 1 } }
+    }
 
     pub(super) fn new([p, q]: [usize; 2], rational: bool) -> Self {
         Self { p, q, components: if rational { COMPONENTS } else { COMPONENTS - 1 } }
@@ -87,6 +122,28 @@ impl Layout {
                 cut_rows(below, above, rows, at);
                 transpose(below, columns, rows, low);
                 transpose(above, columns, rows, high);
+            }
+        }
+    }
+
+    /// Restricts a net to the parameters from `low` to `high`; `spare` and `work` are buffers.
+    #[inline(always)]
+    pub(super) fn restrict(
+        self,
+        net: &mut [f64],
+        low: [f64; 2],
+        high: [f64; 2],
+        spare: &mut Vec<f64>,
+        work: &mut Vec<f64>,
+    ) {
+        spare.resize(net.len(), 0.0);
+        for d in 0..2 {
+            if high[d] < 1.0 {
+                self.cut(net, spare, d, high[d], work);
+            }
+            if low[d] > 0.0 {
+                self.cut(net, spare, d, low[d] / high[d], work);
+                net.copy_from_slice(spare);
             }
         }
     }

@@ -83,7 +83,8 @@ pub(super) fn distance_along(layout: Layout, net: &[f64], direction: &[f64; 3]) 
     let mut least = Lanes::splat(f64::INFINITY);
     let mut k = 0;
     while k + WIDTH <= n {
-        let mut along = (load(net, k) * unit[0] + load(net, n + k) * unit[1]) + load(net, 2 * n + k) * unit[2];
+        let mut along =
+            (load(net, k) * unit[0] + load(net, n + k) * unit[1]) + load(net, 2 * n + k) * unit[2];
         if rational {
             along = along / load(net, 3 * n + k);
         }
