@@ -295,6 +295,7 @@ fn differences(values: &[f64], row: usize, to: &mut [f64]) {
 
 /// Eight neighbouring numbers.
 #[inline(always)]
+#[expect(clippy::manual_memcpy, reason = "loops of known length become moves of vectors")]
 pub(super) fn load(values: &[f64], from: usize) -> Lanes {
     let values = &values[from..from + WIDTH];
     let mut out = Lanes::splat(0.0);
@@ -305,6 +306,7 @@ pub(super) fn load(values: &[f64], from: usize) -> Lanes {
 }
 
 #[inline(always)]
+#[expect(clippy::manual_memcpy, reason = "loops of known length become moves of vectors")]
 fn store(lanes: Lanes, to: &mut [f64], from: usize) {
     let to = &mut to[from..from + WIDTH];
     for l in 0..WIDTH {

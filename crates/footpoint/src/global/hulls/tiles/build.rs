@@ -5,6 +5,7 @@ use super::span::{Span, quotient, spans};
 use super::{Leaf, Node, Tiles};
 use crate::global::geometry::{Geometry, Homogeneous, Patch};
 use crate::global::hulls::net::{COMPONENTS, Layout, REDUCED};
+use crate::global::simd::vectorized;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
@@ -102,7 +103,11 @@ fn euclidean(layout: Layout, net: &[f64]) -> Vec<f64> {
 
 /// How much the differences of neighbouring control points change, as a share of their middle.
 fn turn(layout: Layout, points: &[f64]) -> f64 {
-    let ranges = layout.ranges(points, &mut Vec::new());
+    let mut work = Vec::new();
+    let ranges = vectorized(
+        #[inline(always)]
+        || layout.ranges(points, &mut work),
+    );
     let length = |of: &dyn Fn(&[f64; 2]) -> f64, k: usize| {
         (0..3).map(|c| of(&ranges.parts[c][k]).powi(2)).sum::<f64>().sqrt()
     };
@@ -220,11 +225,16 @@ fn unlike(layout: Layout, net: &[f64]) -> usize {
         let line = |k: usize| if d == 0 { k } else { k * (layout.q + 1) };
         let factor: f64 = (0..=REDUCED).map(|k| degree.saturating_sub(k) as f64).product();
         let mut most = 0.0f64;
+        let mut values: Vec<f64> = Vec::new();
         for component in net.chunks_exact(n) {
             for first in (0..count).map(line) {
-                let mut values: Vec<f64> = (0..=degree).map(|k| component[first + k * stride]).collect();
+                values.clear();
+                values.extend((0..=degree).map(|k| component[first + k * stride]));
                 for _ in 0..=REDUCED.min(degree) {
-                    values = values.windows(2).map(|w| w[1] - w[0]).collect();
+                    for k in 1..values.len() {
+                        values[k - 1] = values[k] - values[k - 1];
+                    }
+                    values.pop();
                 }
                 most = values.iter().fold(most, |all, value| all.max(value.abs()));
             }

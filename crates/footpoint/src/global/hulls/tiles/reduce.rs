@@ -79,7 +79,9 @@ impl Reducer {
             // As they will be kept.
             let flat: Vec<f64> =
                 (0..COUNT * COUNT).map(|k| f64::from(narrow(points[(k / COUNT, k % COUNT)]))).collect();
-            let own = elevated(net, layout.q + 1, &self.elevations[0], q + 1);
+            let same = self.degrees == [layout.p, layout.q];
+            let own =
+                if same { net.to_vec() } else { elevated(net, layout.q + 1, &self.elevations[0], q + 1) };
             let other = elevated(&flat, COUNT, &self.elevations[1], q + 1);
             off.extend(own.iter().zip(other).map(|(own, other)| own - other));
             reduced.extend(flat);

@@ -1,6 +1,7 @@
 //! Ranges of numbers, as middle and half of the length.
 
 use crate::global::hulls::net::{COMPONENTS, Layout};
+use crate::global::simd::vectorized;
 use std::ops::{Add, Mul, Sub};
 
 /// All numbers that are at most `half` away from `middle`.
@@ -73,7 +74,10 @@ impl Mul for Span {
 /// The ranges of the components of a net: value, `u`, `v`, `uu`, `uv`, `vv`, `uuu`, `uuv`, `uvv`, `vvv`.
 pub(super) fn spans(layout: Layout, net: &[f64]) -> [[Span; 10]; COMPONENTS] {
     let mut work = Vec::new();
-    let (ranges, thirds) = (layout.ranges(net, &mut work), layout.thirds(net, &mut work));
+    let (ranges, thirds) = vectorized(
+        #[inline(always)]
+        || (layout.ranges(net, &mut work), layout.thirds(net, &mut work)),
+    );
     let mut all = [[Span::default(); 10]; COMPONENTS];
     for (c, all) in all.iter_mut().enumerate() {
         for (k, span) in all.iter_mut().enumerate() {
