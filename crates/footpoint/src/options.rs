@@ -39,7 +39,8 @@ pub struct ProjectionOptions {
     pub tie_tolerance: f64,
     /// Work for one query after which a proof is given up, with the weaker bound reported; default 20 000, about a millisecond.
     ///
-    /// A part of a bicubic patch that is examined counts about ten, more for higher degrees.
+    /// A part of a bicubic patch that is examined counts about ten, more for higher degrees. Up to a quarter is kept for the search without
+    /// a proof that follows where a proof is given up.
     pub max_boxes: u32,
 }
 

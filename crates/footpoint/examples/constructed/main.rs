@@ -6,7 +6,7 @@
 //! is the mean as a multiple of one evaluation of point and derivatives of a bicubic surface in the same run.
 //!
 //! `constructed [COUNT [REPEATS [NAME]]]`: queries per shape (default 400), runs per query (default 3), shapes whose name
-//! contains NAME, then with their slowest query.
+//! contains NAME, then with their slowest query and the means of the eight kinds of query (see [`queries`]).
 
 mod oracle;
 mod queries;
@@ -103,6 +103,14 @@ fn run(
         if far || broken || (details && unproven) {
             println!("  {name} {i}: {:?} is {truth} away: {found:?}", x.as_slice());
         }
+    }
+    if details {
+        print!("  mean by kind of query:");
+        for kind in 0..8 {
+            let of_kind: Vec<f64> = seconds.iter().copied().skip(kind).step_by(8).collect();
+            print!(" {:.1}", of_kind.iter().sum::<f64>() / of_kind.len() as f64 * 1e6);
+        }
+        println!();
     }
     let mean = seconds.iter().sum::<f64>() / seconds.len() as f64;
     let slowest = (0..seconds.len()).max_by(|&a, &b| seconds[a].total_cmp(&seconds[b])).unwrap_or(0);

@@ -3,6 +3,7 @@
 use super::bernstein::basis_jet;
 use super::geometry::{Geometry, Homogeneous, Patch};
 use super::power::{self, Quad};
+use super::simd::vectorized;
 use nalgebra::Vector3;
 use nurbs_core::{MAX_DEGREE, SurfaceJet};
 
@@ -25,9 +26,18 @@ impl Geometry {
         power::surface_jet(&power::jet::<N, Quad<C>>(self.powers::<N, C>(patch), s - o, t - p))
     }
 
-    fn bernstein_jet(&self, patch: &Patch, s: f64, t: f64) -> SurfaceJet {
+    /// Value, u, v, uu, uv, vv of `w (p − centre)` and `w`.
+    pub(super) fn homogeneous_jet(&self, patch: &Patch, s: f64, t: f64) -> [Homogeneous; 6] {
         let [p, q] = patch.degrees();
-        let a = general_jet(self.net(patch), p, q, s, t);
+        let net = self.net(patch);
+        vectorized(
+            #[inline(always)]
+            || general_jet(net, p, q, s, t),
+        )
+    }
+
+    fn bernstein_jet(&self, patch: &Patch, s: f64, t: f64) -> SurfaceJet {
+        let a = self.homogeneous_jet(patch, s, t);
         let v = |k: usize| Vector3::new(a[k][0], a[k][1], a[k][2]);
         if !patch.rational {
             return SurfaceJet { point: v(0), du: v(1), dv: v(2), duu: v(3), duv: v(4), dvv: v(5) };
@@ -71,18 +81,10 @@ impl Geometry {
     fn bernstein_point(&self, patch: &Patch, s: f64, t: f64) -> Vector3<f64> {
         let [p, q] = patch.degrees();
         let net = self.net(patch);
-        let mut bu = [[0.0; 3]; MAX_DEGREE + 1];
-        let mut bv = [[0.0; 3]; MAX_DEGREE + 1];
-        basis_jet(p, s, &mut bu[..=p]);
-        basis_jet(q, t, &mut bv[..=q]);
-        let mut a = [0.0; 4];
-        for i in 0..=p {
-            let mut r = [0.0; 4];
-            for j in 0..=q {
-                axpy(&mut r, &net[i * (q + 1) + j], bv[j][0]);
-            }
-            axpy(&mut a, &r, bu[i][0]);
-        }
+        let a = vectorized(
+            #[inline(always)]
+            || general_point(net, p, q, s, t),
+        );
         let point = Vector3::new(a[0], a[1], a[2]);
         if patch.rational { point / a[3] } else { point }
     }
@@ -105,7 +107,26 @@ fn accumulate(a: &mut [[f64; 4]; 6], r: &[[f64; 4]; 3], b: &[f64; 3]) {
     axpy(&mut a[5], &r[2], b[0]);
 }
 
+/// The value of a net of any degrees.
+#[inline(always)]
+fn general_point(net: &[Homogeneous], p: usize, q: usize, s: f64, t: f64) -> [f64; 4] {
+    let mut bu = [[0.0; 3]; MAX_DEGREE + 1];
+    let mut bv = [[0.0; 3]; MAX_DEGREE + 1];
+    basis_jet(p, s, &mut bu[..=p]);
+    basis_jet(q, t, &mut bv[..=q]);
+    let mut a = [0.0; 4];
+    for i in 0..=p {
+        let mut r = [0.0; 4];
+        for j in 0..=q {
+            axpy(&mut r, &net[i * (q + 1) + j], bv[j][0]);
+        }
+        axpy(&mut a, &r, bu[i][0]);
+    }
+    a
+}
+
 /// Value, u, v, uu, uv, vv of a net of any degrees.
+#[inline(always)]
 fn general_jet(net: &[Homogeneous], p: usize, q: usize, s: f64, t: f64) -> [[f64; 4]; 6] {
     let mut bu = [[0.0; 3]; MAX_DEGREE + 1];
     let mut bv = [[0.0; 3]; MAX_DEGREE + 1];

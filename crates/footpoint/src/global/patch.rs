@@ -2,6 +2,7 @@
 
 use super::cells::Cells;
 use super::geometry::{Geometry, Homogeneous, Patch};
+use super::hulls::tiles::Tiles;
 use super::lanes::{Lanes, Row, WIDTH};
 use super::pole::Pole;
 use super::products::{Products, elevate_row, product, splitting_rows};
@@ -27,6 +28,7 @@ pub(crate) struct PatchSet<const K: usize> {
     pub(crate) products: Products<K>,
     pub(super) sampling: Sampling<K>,
     forms: Vec<Row<K>>,
+    pub(super) tiles: Tiles,
     pub(crate) scratch: Pool<Scratch<K>>,
 }
 
@@ -52,6 +54,7 @@ impl<const K: usize> PatchSet<K> {
             products: Products::default(),
             sampling: Sampling::default(),
             forms: Vec::new(),
+            tiles: Tiles::default(),
             scratch: Pool::default(),
         };
         splitting_rows(0.5, &mut set.halves);
@@ -68,6 +71,7 @@ impl<const K: usize> PatchSet<K> {
         }
         set.geometry.size = extent(&boxes);
         set.tree = BoxTree::new(&boxes);
+        set.tiles = Tiles::new(&set.geometry);
         set
     }
 
@@ -141,7 +145,7 @@ impl<const K: usize> PatchSet<K> {
 
     /// Bytes of the prepared data.
     pub(crate) fn memory(&self) -> usize {
-        self.geometry.memory() + size_of_val(&self.forms[..]) + self.tree.memory()
+        self.geometry.memory() + size_of_val(&self.forms[..]) + self.tree.memory() + self.tiles.memory()
     }
 }
 

@@ -89,6 +89,11 @@ impl<const K: usize> PatchSet<K> {
         let patch = &self.patches[index];
         let y = x - patch.centre;
         let m = patch.rows();
+        if self.is_tiled(index) {
+            let limit_sq = gap.limit_sq(best.distance_sq);
+            let floor = self.prove_divided(x, index, best, gap, scratch);
+            return limit_sq.min(floor * floor);
+        }
         let mut boxes = 0u32;
         let quick = QUICK[K.min(QUICK.len()) - 1];
         let cost = COST[K.min(COST.len()) - 1];

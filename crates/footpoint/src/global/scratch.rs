@@ -100,11 +100,17 @@ pub(crate) struct Scratch<const K: usize> {
 /// Ties remembered per query; one that is apart from the footpoint is enough.
 const MAX_TIES: usize = 24;
 
+/// Remembers a place that may be as near as the footpoint.
+#[inline(always)]
+pub(super) fn note_tie(ties: &mut Vec<(usize, [f64; 2])>, patch: usize, place: [f64; 2]) {
+    if ties.len() < MAX_TIES {
+        ties.push((patch, place));
+    }
+}
+
 impl<const K: usize> Scratch<K> {
     #[inline(always)]
     pub(crate) fn note_tie(&mut self, patch: usize, place: [f64; 2]) {
-        if self.ties.len() < MAX_TIES {
-            self.ties.push((patch, place));
-        }
+        note_tie(&mut self.ties, patch, place);
     }
 }

@@ -15,6 +15,9 @@ const MAX_STEPS: u32 = 40;
 /// Limit of the local iteration that finishes a footpoint which has not settled.
 const PATIENT_STEPS: u32 = 400;
 
+/// What a search without a proof costs at most, in units of [`max_boxes`](crate::ProjectionOptions::max_boxes), by the length of the rows.
+const RESERVE: [u32; 4] = [1200, 2700, 7500, 15_000];
+
 /// Footpoint and what is proven about it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Found {
@@ -32,7 +35,7 @@ impl<const K: usize> PatchSet<K> {
         scratch.candidates.clear();
         scratch.ties.clear();
         scratch.rivals.clear();
-        scratch.boxes_left = gap.max_boxes;
+        scratch.boxes_left = gap.max_boxes - if prove { Self::reserve(gap.max_boxes) } else { 0 };
         scratch.visits.clear();
         scratch.visits.push(Visit::root());
         let query = [x.x, x.y, x.z];
@@ -58,7 +61,12 @@ impl<const K: usize> PatchSet<K> {
                 scratch.candidates.push(candidate);
                 continue;
             }
-            if let Some(place) = self.promising(x, index, limit_sq, scratch) {
+            let place = if prove && self.is_tiled(index) {
+                self.promising_tile(x, index, reach_sq.sqrt())
+            } else {
+                self.promising(x, index, limit_sq, scratch)
+            };
+            if let Some(place) = place {
                 candidate.place = place;
                 candidate.sample_sq = self.distance_sq(x, index, place);
                 scratch.candidates.push(candidate);
@@ -99,16 +107,37 @@ impl<const K: usize> PatchSet<K> {
                 scratch.note_tie(candidate.patch, candidate.place);
             }
         }
-        if bound_sq < gap.open_sq(best.distance_sq) {
-            // Not proven: at least as good as without a proof.
-            self.second_seeds(x, &mut best, gap, scratch);
-            scratch.boxes_left = gap.max_boxes;
-            self.search_poles(x, &mut best, gap, scratch);
-        }
         bound_sq = bound_sq.min(gap.limit_sq(best.distance_sq));
         self.settle(x, &mut best);
         self.polish(x, &mut best, scratch);
         Found { foot: best, bound_sq: bound_sq.min(best.distance_sq) }
+    }
+
+    /// Work that is kept for the search without a proof that follows an open one.
+    fn reserve(max_boxes: u32) -> u32 {
+        RESERVE[K.min(RESERVE.len()) - 1].min(max_boxes / 4)
+    }
+
+    /// Where a proof has not ended, the foot becomes at least as near as without a proof.
+    #[inline(never)]
+    pub(crate) fn improve_open(
+        &self,
+        x: &Vector3<f64>,
+        found: &mut Found,
+        gap: &Gap,
+        scratch: &mut Scratch<K>,
+    ) {
+        if found.bound_sq >= gap.open_sq(found.foot.distance_sq) {
+            return;
+        }
+        let (ties, rivals) = (std::mem::take(&mut scratch.ties), std::mem::take(&mut scratch.rivals));
+        let fast = self.search(x, false, gap, scratch).foot;
+        if fast.distance_sq < found.foot.distance_sq {
+            let steps = fast.steps.saturating_add(found.foot.steps);
+            found.foot = Foot { steps, ..fast };
+        } else {
+            (scratch.ties, scratch.rivals) = (ties, rivals);
+        }
     }
 
     /// Patches with a collapsed edge are searched as for a proof: next to a pole, where all parameter lines meet, no

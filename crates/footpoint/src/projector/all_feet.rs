@@ -131,7 +131,11 @@ pub(super) fn surface_feet<const K: usize>(
 ) -> Result<SurfaceFeet, Error> {
     check(x.as_slice(), factor, options)?;
     let gap = Gap::new(options, set.size);
-    let found = set.scratch.with(|scratch| set.search(x, true, &gap, scratch));
+    let found = set.scratch.with(|scratch| {
+        let mut found = set.search(x, true, &gap, scratch);
+        set.improve_open(x, &mut found, &gap, scratch);
+        found
+    });
     let limit = limit(found.foot.distance_sq.sqrt(), factor, &gap, x.as_slice());
     let apart = APART * set.size;
     let harvest = set.minima(x, limit * limit, &gap);

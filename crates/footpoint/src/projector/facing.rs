@@ -162,7 +162,12 @@ impl<const K: usize> PatchSet<K> {
         gap: &Gap,
     ) -> Option<Foot> {
         let moved = |share: f64| x + direction * (share * level);
-        let found = self.scratch.with(|scratch| self.search(&moved(MOVES[0]), true, gap, scratch)).foot;
+        let there = moved(MOVES[0]);
+        let found = self.scratch.with(|scratch| {
+            let mut found = self.search(&there, true, gap, scratch);
+            self.improve_open(&there, &mut found, gap, scratch);
+            found.foot
+        });
         if found.patch == usize::MAX {
             return None;
         }

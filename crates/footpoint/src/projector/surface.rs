@@ -351,7 +351,10 @@ impl<const K: usize> Batch<3> for SurfaceQuery<'_, K> {
             });
         }
         let certify = self.mode == Mode::Certified;
-        let found = self.set.search(x, certify, &self.gap, scratch);
+        let mut found = self.set.search(x, certify, &self.gap, scratch);
+        if certify {
+            self.set.improve_open(x, &mut found, &self.gap, scratch);
+        }
         if found.foot.patch == usize::MAX {
             return SurfaceFootpoint::diverged();
         }

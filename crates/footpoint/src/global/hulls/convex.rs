@@ -11,6 +11,42 @@ use crate::global::geometry::Homogeneous;
 /// Steps towards the lowest place.
 const STEPS: usize = 4;
 
+/// A part of a patch that can be evaluated, in parameters between 0 and 1.
+pub(super) trait Jets {
+    /// Value, `u`, `v`, `uu`, `uv`, `vv` of the components at a place.
+    fn jet(&self, place: [f64; 2]) -> [Homogeneous; 6];
+    /// Rounding errors of `g` and of what its slopes add up to on the part, from value, `u` and `v`; of the derivatives up to an order.
+    fn noise(&self, jet: &[Homogeneous; 6], limit_sq: f64, order: i32) -> f64;
+}
+
+/// A part by its control net; `error` is that of the numbers of the net, per unit of weight.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Net<'a> {
+    pub(super) layout: Layout,
+    pub(super) net: &'a [f64],
+    pub(super) error: f64,
+}
+
+impl Jets for Net<'_> {
+    #[inline(always)]
+    fn jet(&self, place: [f64; 2]) -> [Homogeneous; 6] {
+        self.layout.jet(self.net, place)
+    }
+
+    #[inline(always)]
+    fn noise(&self, jet: &[Homogeneous; 6], limit_sq: f64, order: i32) -> f64 {
+        let (p, q) = (self.layout.p as f64, self.layout.q as f64);
+        let noise = noise(jet, limit_sq, self.error, 1.0 + 2.0 * (p + q));
+        if order < 3 {
+            return noise;
+        }
+        // Third differences add up errors.
+        let [value, ..] = jet;
+        let sums = 8.0 * (p * p * p + q * q * q);
+        noise + sums * self.error * product(value, value, -limit_sq).sqrt() * value[3].abs()
+    }
+}
+
 /// What is known about the second derivatives of `g` on a part.
 pub(super) struct Bend {
     /// Direction of the least second derivative, in units of the part.
@@ -30,7 +66,7 @@ pub(super) struct Low {
 
 /// The product of two vectors with the square of the limit taken off by the weights.
 #[inline(always)]
-fn product(a: &Homogeneous, b: &Homogeneous, limit_sq: f64) -> f64 {
+pub(super) fn product(a: &Homogeneous, b: &Homogeneous, limit_sq: f64) -> f64 {
     ((a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]) - limit_sq * (a[3] * b[3])
 }
 
@@ -84,20 +120,13 @@ impl Bend {
         0.5 * self.lack * reach * reach
     }
 
-    /// Looks for the lowest place of the part from `start`; `error` is that of the numbers of the net, per unit of weight.
+    /// Looks for the lowest place of the part from `start`.
     #[inline(always)]
-    pub(super) fn lowest(
-        &self,
-        layout: Layout,
-        net: &[f64],
-        limit_sq: f64,
-        start: [f64; 2],
-        error: f64,
-    ) -> Low {
+    pub(super) fn lowest(&self, part: &impl Jets, limit_sq: f64, start: [f64; 2]) -> Low {
         let mut at = start;
         let mut best = Low { place: start, value: f64::INFINITY, bound: f64::NEG_INFINITY, noise: 0.0 };
         for _ in 0..STEPS {
-            let jet = layout.jet(net, at);
+            let jet = part.jet(at);
             let [value, u, v, uu, uv, vv] = &jet;
             let of = |a: &Homogeneous, b: &Homogeneous| product(a, b, limit_sq);
             let here = 0.5 * of(value, value);
@@ -108,7 +137,7 @@ impl Bend {
             let reach = reach.as_flattened().iter().copied().fold(0.0, f64::max);
             let fall = |d: usize| (slope[d] * -at[d]).min(slope[d] * (1.0 - at[d]));
             let bound = (here + fall(0).min(0.0) + fall(1).min(0.0)) - 0.5 * self.lack * reach * reach;
-            let noise = noise(layout, [value, u, v], limit_sq, error);
+            let noise = part.noise(&jet, limit_sq, 2);
             if bound - noise > best.bound - best.noise || best.value == f64::INFINITY {
                 best = Low { place: at, value: here, bound, noise };
             }
@@ -140,6 +169,7 @@ impl Bend {
 }
 
 /// Middle and half of the length of the ranges of the third derivatives `uuu`, `uuv`, `uvv`, `vvv` of `g`, from those of the net.
+#[inline(always)]
 pub(super) fn thirds(ranges: &Ranges, thirds: &[[[f64; 2]; 4]; COMPONENTS], limit_sq: f64) -> [[f64; 2]; 4] {
     let mut sums = [[0.0; 2]; 4];
     for (c, ([value, u, v, uu, uv, vv], third)) in ranges.parts.iter().zip(thirds).enumerate() {
@@ -167,22 +197,13 @@ pub(super) fn thirds(ranges: &Ranges, thirds: &[[[f64; 2]; 4]; COMPONENTS], limi
 /// In coordinates `s` along the flattest direction there and `t` across it, `g` is at least a polynomial in `s` and, for each `s`, a
 /// parabola in `t` whose lowest point may lie off the line `t = 0` by as much as the valley bends. What this takes off grows with the
 /// fourth power of the size of a part along a valley in which the distance does not change, in whatever direction it runs.
-pub(super) fn valley(
-    layout: Layout,
-    net: &[f64],
-    thirds: &[[f64; 2]; 4],
-    limit_sq: f64,
-    place: [f64; 2],
-    error: f64,
-) -> Low {
-    let [value, u, v, uu, uv, vv] = layout.jet(net, place);
+#[inline(always)]
+pub(super) fn valley(part: &impl Jets, thirds: &[[f64; 2]; 4], limit_sq: f64, place: [f64; 2]) -> Low {
+    let jet = part.jet(place);
+    let noise = part.noise(&jet, limit_sq, 3);
+    let [value, u, v, uu, uv, vv] = jet;
     let of = |a: &Homogeneous, b: &Homogeneous| product(a, b, limit_sq);
     let here = 0.5 * of(&value, &value);
-    // Third differences add up errors.
-    let (p, q) = (layout.p as f64, layout.q as f64);
-    let sums = 8.0 * (p * p * p + q * q * q);
-    let noise = noise(layout, [&value, &u, &v], limit_sq, error)
-        + sums * error * product(&value, &value, -limit_sq).sqrt() * value[3].abs();
     let low = Low { place, value: here, bound: f64::NEG_INFINITY, noise };
     let slope = [of(&u, &value), of(&v, &value)];
     let [a, c, b] =
@@ -233,17 +254,18 @@ pub(super) fn valley(
     Low { bound, ..low }
 }
 
-/// Rounding errors of `g` and of what its slopes add up to, from value and first derivatives and the error of the numbers of the net.
+/// Rounding errors of `g` and of what its slopes add up to, from the error of the values and the sum of those of all derivatives, in
+/// such errors.
 #[inline(always)]
-fn noise(layout: Layout, [value, u, v]: [&Homogeneous; 3], limit_sq: f64, error: f64) -> f64 {
+pub(super) fn noise(jet: &[Homogeneous; 6], limit_sq: f64, error: f64, sums: f64) -> f64 {
+    let [value, u, v, ..] = jet;
     let length = |a: &Homogeneous| (product(a, a, 0.0) + limit_sq * a[3] * a[3]).sqrt();
-    let degrees = (1 + 2 * layout.p + 2 * layout.q) as f64;
-    error * value[3].abs() * (degrees * length(value) + length(u) + length(v))
+    error * value[3].abs() * (sums * length(value) + length(u) + length(v))
 }
 
 /// The smaller eigenvalue of a symmetric matrix, and its direction.
 #[inline(always)]
-fn flattest(a: f64, c: f64, b: f64) -> (f64, [f64; 2]) {
+pub(super) fn flattest(a: f64, c: f64, b: f64) -> (f64, [f64; 2]) {
     let low = 0.5 * (a + b) - (0.25 * (a - b) * (a - b) + c * c).sqrt();
     // From the row that says more.
     let row = if (a - low).abs() > (b - low).abs() { [a - low, c] } else { [c, b - low] };
@@ -286,7 +308,7 @@ mod tests {
             let limit_sq = [0.9, 1.0, 1.02][case % 7 % 3];
             let ranges = layout.ranges(&net, &mut Vec::new());
             let Some(bend) = bend(&ranges, limit_sq, 0.0) else { continue };
-            let low = bend.lowest(layout, &net, limit_sq, [0.9, 0.2], 1e-16);
+            let low = bend.lowest(&Net { layout, net: &net, error: 1e-16 }, limit_sq, [0.9, 0.2]);
             let mut least = f64::INFINITY;
             for k in 0..=20 {
                 for l in 0..=20 {
@@ -351,7 +373,7 @@ mod tests {
             let (layout, net, distance_sq) = bowl(size);
             let ranges = layout.ranges(&net, &mut Vec::new());
             let thirds = thirds(&ranges, &layout.thirds(&net, &mut Vec::new()), distance_sq);
-            let better = valley(layout, &net, &thirds, distance_sq, [0.5; 2], 1e-16);
+            let better = valley(&Net { layout, net: &net, error: 1e-16 }, &thirds, distance_sq, [0.5; 2]);
             let mut least = f64::INFINITY;
             for k in 0..=20 {
                 for l in 0..=20 {
@@ -381,7 +403,7 @@ mod tests {
             layout.push(&points, &mut net);
             let ranges = layout.ranges(&net, &mut Vec::new());
             let thirds = thirds(&ranges, &layout.thirds(&net, &mut Vec::new()), 1.0);
-            let low = valley(layout, &net, &thirds, 1.0, [0.5; 2], 1e-16);
+            let low = valley(&Net { layout, net: &net, error: 1e-16 }, &thirds, 1.0, [0.5; 2]);
             let truth = -a * a / 32.0;
             assert!(
                 low.bound <= truth && low.bound > 20.0 * truth - 0.1 * a,

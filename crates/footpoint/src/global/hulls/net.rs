@@ -8,6 +8,9 @@ use nurbs_core::MAX_DEGREE;
 /// Components of a control point, `w (p − x)` and `w`.
 pub(super) const COMPONENTS: usize = 4;
 
+/// Degree of approximations.
+pub(super) const REDUCED: usize = 5;
+
 /// Ranges over a part, as middle and half of the length.
 pub(super) struct Ranges {
     /// By component: value, `u`, `v`, `uu`, `uv`, `vv`.
@@ -23,8 +26,34 @@ impl Ranges {
     }
 }
 
+/// How much value, `u`, `v`, `uu`, `uv`, `vv`, `uuu`, `uuv`, `uvv`, `vvv` of any component may differ from what a net tells: coordinates,
+/// and the weight.
+pub(super) type Reduction = [[f64; 10]; 2];
+
+impl Ranges {
+    /// Adds what the components may differ by.
+    #[inline(always)]
+    pub(super) fn widen(&mut self, reduction: &Reduction) {
+        for c in 0..COMPONENTS {
+            for k in 0..6 {
+                self.parts[c][k][1] += reduction[usize::from(c == 3)][k];
+            }
+        }
+    }
+}
+
+/// The same for third derivatives.
+#[inline(always)]
+pub(super) fn widen_thirds(thirds: &mut [[[f64; 2]; 4]; COMPONENTS], reduction: &Reduction) {
+    for c in 0..COMPONENTS {
+        for k in 0..4 {
+            thirds[c][k][1] += reduction[usize::from(c == 3)][6 + k];
+        }
+    }
+}
+
 /// The degrees of a net and how its numbers are laid out: component by component, each row by row in `u`.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Layout {
     pub(super) p: usize,
     pub(super) q: usize,
@@ -33,6 +62,14 @@ pub(super) struct Layout {
 }
 
 impl Layout {
+    pub(super) const BICUBIC: Self = Self { p: 3, q: 3, components: COMPONENTS - 1 };
+
+    /// That of approximations.
+    #[inline(always)]
+    pub(super) const fn reduced(rational: bool) -> Self {
+        Self { p: REDUCED, q: REDUCED, components: if rational { COMPONENTS } else { COMPONENTS - 1 } }
+    }
+
     pub(super) fn new([p, q]: [usize; 2], rational: bool) -> Self {
         Self { p, q, components: if rational { COMPONENTS } else { COMPONENTS - 1 } }
     }
@@ -74,21 +111,39 @@ impl Layout {
         let n = rows * columns;
         work.resize(2 * n, 0.0);
         let (below, above) = work.split_at_mut(n);
-        for (low, high) in low.chunks_exact_mut(n).zip(high.chunks_exact_mut(n)) {
+        for c in 0..self.components {
+            let (low, high) = (&mut low[c * n..(c + 1) * n], &mut high[c * n..(c + 1) * n]);
             if d == 0 {
                 high.copy_from_slice(low);
                 cut_rows(low, high, columns, at);
-            } else if columns < WIDTH {
-                high.copy_from_slice(low);
-                for (low, high) in low.chunks_exact_mut(columns).zip(high.chunks_exact_mut(columns)) {
-                    cut_rows(low, high, 1, at);
-                }
             } else {
-                // Long rows: turned, so that many are treated side by side.
+                // Turned, so that many are treated side by side.
                 transpose(low, rows, columns, above);
                 cut_rows(below, above, rows, at);
                 transpose(below, columns, rows, low);
                 transpose(above, columns, rows, high);
+            }
+        }
+    }
+
+    /// Restricts a net to the parameters from `low` to `high`; `spare` and `work` are buffers.
+    #[inline(always)]
+    pub(super) fn restrict(
+        self,
+        net: &mut [f64],
+        low: [f64; 2],
+        high: [f64; 2],
+        spare: &mut Vec<f64>,
+        work: &mut Vec<f64>,
+    ) {
+        spare.resize(net.len(), 0.0);
+        for d in 0..2 {
+            if high[d] < 1.0 {
+                self.cut(net, spare, d, high[d], work);
+            }
+            if low[d] > 0.0 {
+                self.cut(net, spare, d, low[d] / high[d], work);
+                net.copy_from_slice(spare);
             }
         }
     }
@@ -103,25 +158,29 @@ impl Layout {
         basis_jet(self.q, t, &mut bv[..columns]);
         let mut jet = [[0.0; COMPONENTS]; 6];
         jet[0][3] = 1.0;
+        let n = rows * columns;
         for c in 0..self.components {
-            let net = &net[c * rows * columns..][..rows * columns];
-            let mut sums = [0.0; 6];
-            for (row, b) in net.chunks_exact(columns).zip(&bu) {
-                let mut along = [0.0; 3];
-                for (value, b) in row.iter().zip(&bv) {
-                    for k in 0..3 {
+            let net = &net[c * n..(c + 1) * n];
+            // By derivative in `u`, those in `v` side by side.
+            let mut sums = [[0.0; 4]; 3];
+            for i in 0..rows {
+                let mut along = [0.0; 4];
+                for j in 0..columns {
+                    let value = net[i * columns + j];
+                    let [b, first, second] = bv[j];
+                    let b = [b, first, second, 0.0];
+                    for k in 0..4 {
                         along[k] += value * b[k];
                     }
                 }
-                sums[0] += along[0] * b[0];
-                sums[1] += along[0] * b[1];
-                sums[2] += along[1] * b[0];
-                sums[3] += along[0] * b[2];
-                sums[4] += along[1] * b[1];
-                sums[5] += along[2] * b[0];
+                for l in 0..3 {
+                    for k in 0..4 {
+                        sums[l][k] += along[k] * bu[i][l];
+                    }
+                }
             }
-            for k in 0..6 {
-                jet[k][c] = sums[k];
+            for (k, [l, m]) in [[0, 0], [1, 0], [0, 1], [2, 0], [1, 1], [0, 2]].into_iter().enumerate() {
+                jet[k][c] = sums[l][m];
             }
         }
         jet
@@ -139,11 +198,10 @@ impl Layout {
         work.resize(3 * n, 0.0);
         let (across, rest) = work.split_at_mut(n);
         let (turned, turned_across) = rest.split_at_mut(n);
-        for (net, part) in net.chunks_exact(n).zip(&mut parts) {
+        for c in 0..self.components {
+            let net = &net[c * n..(c + 1) * n];
             // Rows side by side, and columns side by side: all differences are those of neighbouring stretches.
-            for ((to, a), b) in across.iter_mut().zip(net).zip(&net[columns..]) {
-                *to = b - a;
-            }
+            differences(net, columns, across);
             transpose(net, rows, columns, turned);
             transpose(across, rows - 1, columns, turned_across);
             let (u, v) = (&across[..n - columns], &turned_across[..n - columns]);
@@ -156,13 +214,14 @@ impl Layout {
                 range::<2>(turned, rows),
             ];
             for k in 0..6 {
-                part[k] = [values[k][0] * factors[k], values[k][1] * factors[k]];
+                parts[c][k] = [values[k][0] * factors[k], values[k][1] * factors[k]];
             }
         }
         Ranges { parts }
     }
 
     /// Ranges of the third derivatives `uuu`, `uuv`, `uvv`, `vvv` of the components over the part; `work` is a buffer.
+    #[inline(always)]
     pub(super) fn thirds(self, net: &[f64], work: &mut Vec<f64>) -> [[[f64; 2]; 4]; COMPONENTS] {
         let (rows, columns) = (self.p + 1, self.q + 1);
         let n = self.count();
@@ -173,21 +232,18 @@ impl Layout {
         work.resize(3 * n, 0.0);
         let (turned, rest) = work.split_at_mut(n);
         let (along, back) = rest.split_at_mut(n);
-        for (net, third) in net.chunks_exact(n).zip(&mut thirds) {
+        for c in 0..self.components {
+            let (net, third) = (&net[c * n..(c + 1) * n], &mut thirds[c]);
             transpose(net, rows, columns, turned);
             // Differences in `v`, which are rows of the turned net, and turned back.
-            for ((to, a), b) in along.iter_mut().zip(&*turned).zip(&turned[rows..]) {
-                *to = b - a;
-            }
+            differences(turned, rows, along);
             transpose(along, columns - 1, rows, back);
             let v = &back[..rows * (columns - 1)];
             third[0] = range::<3>(net, columns);
             third[1] = range::<2>(v, columns - 1);
             third[3] = range::<3>(turned, rows);
             // And the other way about.
-            for ((to, a), b) in along.iter_mut().zip(net).zip(&net[columns..]) {
-                *to = b - a;
-            }
+            differences(net, columns, along);
             transpose(along, rows - 1, columns, back);
             third[2] = range::<2>(&back[..(rows - 1) * columns], rows - 1);
             for k in 0..4 {
@@ -203,23 +259,68 @@ impl Layout {
 fn cut_rows(low: &mut [f64], high: &mut [f64], row: usize, at: f64) {
     let keep = 1.0 - at;
     let length = high.len();
-    for first in (0..length).step_by(row) {
+    let mut first = 0;
+    while first < length {
         low[first..first + row].copy_from_slice(&high[..row]);
-        for next in (row..length - first).step_by(row) {
-            let (before, after) = high.split_at_mut(next);
-            for (a, b) in before[next - row..].iter_mut().zip(&after[..row]) {
-                *a = *a * keep + b * at;
-            }
+        // What is written is not read again at this level.
+        let stretch = length - first - row;
+        let mut k = 0;
+        while k + WIDTH <= stretch {
+            let (a, b) = (load(high, k), load(high, k + row));
+            store(a * keep + b * at, high, k);
+            k += WIDTH;
         }
+        while k < stretch {
+            high[k] = high[k] * keep + high[k + row] * at;
+            k += 1;
+        }
+        first += row;
+    }
+}
+
+/// Differences of neighbouring rows of a length.
+#[inline(always)]
+fn differences(values: &[f64], row: usize, to: &mut [f64]) {
+    let stretch = values.len() - row;
+    let mut k = 0;
+    while k + WIDTH <= stretch {
+        store(load(values, k + row) - load(values, k), to, k);
+        k += WIDTH;
+    }
+    while k < stretch {
+        to[k] = values[k + row] - values[k];
+        k += 1;
+    }
+}
+
+/// Eight neighbouring numbers.
+#[inline(always)]
+#[expect(clippy::manual_memcpy, reason = "loops of known length become moves of vectors")]
+pub(super) fn load(values: &[f64], from: usize) -> Lanes {
+    let values = &values[from..from + WIDTH];
+    let mut out = Lanes::splat(0.0);
+    for l in 0..WIDTH {
+        out.0[l] = values[l];
+    }
+    out
+}
+
+#[inline(always)]
+#[expect(clippy::manual_memcpy, reason = "loops of known length become moves of vectors")]
+fn store(lanes: Lanes, to: &mut [f64], from: usize) {
+    let to = &mut to[from..from + WIDTH];
+    for l in 0..WIDTH {
+        to[l] = lanes.0[l];
     }
 }
 
 /// `to` becomes `from`, row by row of `columns`, with rows and columns exchanged.
 #[inline(always)]
 fn transpose(from: &[f64], rows: usize, columns: usize, to: &mut [f64]) {
-    for (i, row) in from.chunks_exact(columns).take(rows).enumerate() {
-        for (j, value) in row.iter().enumerate() {
-            to[j * rows + i] = *value;
+    let (from, to) = (&from[..rows * columns], &mut to[..rows * columns]);
+    for i in 0..rows {
+        for j in 0..columns {
+            to[j * rows + i] = from[i * columns + j];
         }
     }
 }
@@ -228,35 +329,50 @@ fn transpose(from: &[f64], rows: usize, columns: usize, to: &mut [f64]) {
 /// none. Eight at a time.
 #[inline(always)]
 fn range<const ORDER: usize>(values: &[f64], row: usize) -> [f64; 2] {
-    let Some(last) = values.get(ORDER * row..).filter(|last| !last.is_empty()) else { return [0.0; 2] };
-    let stretch = |k: usize| &values[k.min(ORDER) * row..][..last.len()];
-    let (first, second, third) = (stretch(0), stretch(1), stretch(2));
-    let mut low = [f64::INFINITY; WIDTH];
-    let mut high = [f64::NEG_INFINITY; WIDTH];
-    let difference = |a: f64, b: f64, c: f64, d: f64| match ORDER {
-        0 => a,
-        1 => b - a,
-        2 => (c - b) - (b - a),
-        _ => ((d - c) - (c - b)) - ((c - b) - (b - a)),
-    };
-    let firsts = first.chunks_exact(WIDTH);
-    let (seconds, thirds) = (second.chunks_exact(WIDTH), third.chunks_exact(WIDTH));
-    let lasts = last.chunks_exact(WIDTH);
-    let rest = firsts.remainder().iter().zip(seconds.remainder());
-    let rest = rest.zip(thirds.remainder()).zip(lasts.remainder());
-    for (((a, b), c), d) in rest {
-        let value = difference(*a, *b, *c, *d);
-        low[0] = if value < low[0] { value } else { low[0] };
-        high[0] = if value > high[0] { value } else { high[0] };
+    if values.len() <= ORDER * row {
+        return [0.0; 2];
     }
-    for (((a, b), c), d) in firsts.zip(seconds).zip(thirds).zip(lasts) {
-        for l in 0..WIDTH {
-            let value = difference(a[l], b[l], c[l], d[l]);
-            low[l] = if value < low[l] { value } else { low[l] };
-            high[l] = if value > high[l] { value } else { high[l] };
+    let stretch = values.len() - ORDER * row;
+    let mut low = Lanes::splat(f64::INFINITY);
+    let mut high = Lanes::splat(f64::NEG_INFINITY);
+    let mut k = 0;
+    while k + WIDTH <= stretch {
+        let value = match ORDER {
+            0 => load(values, k),
+            1 => load(values, k + row) - load(values, k),
+            2 => {
+                let middle = load(values, k + row);
+                (load(values, k + 2 * row) - middle) - (middle - load(values, k))
+            }
+            _ => {
+                let (b, c) = (load(values, k + row), load(values, k + 2 * row));
+                let middle = c - b;
+                ((load(values, k + 3 * row) - c) - middle) - (middle - (b - load(values, k)))
+            }
+        };
+        // NaN is left out, as by the comparison.
+        low = value.min(low);
+        high = value.max(high);
+        k += WIDTH;
+        if k < stretch && k + WIDTH > stretch && stretch > WIDTH {
+            // The last ones, some of them once more.
+            k = stretch - WIDTH;
         }
     }
-    let (low, high) = (Lanes(low).horizontal_min(), Lanes(high).horizontal_max());
+    while k < stretch {
+        let at = |i: usize| values[k + i * row];
+        let value = match ORDER {
+            0 => at(0),
+            1 => at(1) - at(0),
+            2 => (at(2) - at(1)) - (at(1) - at(0)),
+            _ => ((at(3) - at(2)) - (at(2) - at(1))) - ((at(2) - at(1)) - (at(1) - at(0))),
+        };
+        let lane = k % WIDTH;
+        low.0[lane] = if value < low.0[lane] { value } else { low.0[lane] };
+        high.0[lane] = if value > high.0[lane] { value } else { high.0[lane] };
+        k += 1;
+    }
+    let (low, high) = (low.horizontal_min(), high.horizontal_max());
     [0.5 * (high + low), 0.5 * (high - low)]
 }
 

@@ -1,6 +1,6 @@
 //! Planes that separate a part of a patch from the query, as far as the control net tells.
 
-use super::net::{COMPONENTS, Layout};
+use super::net::{COMPONENTS, Layout, load};
 use crate::global::lanes::{Lanes, WIDTH};
 
 /// The parallelogram that a part resembles, seen from the query.
@@ -78,34 +78,33 @@ pub(super) fn distance_along(layout: Layout, net: &[f64], direction: &[f64; 3]) 
     }
     let n = layout.count();
     let unit = direction.map(|c| c / length);
-    let (x, rest) = net.split_at(n);
-    let (y, rest) = rest.split_at(n);
-    let (z, w) = rest.split_at(n);
-    let mut least = [f64::INFINITY; WIDTH];
-    let keep = |least: &mut f64, value: f64| *least = if value < *least { value } else { *least };
-    let whole = n - n % WIDTH;
-    if layout.components == COMPONENTS {
-        for k in (0..whole).step_by(WIDTH) {
-            let [x, y, z, w] = [&x[k..k + WIDTH], &y[k..k + WIDTH], &z[k..k + WIDTH], &w[k..k + WIDTH]];
-            for l in 0..WIDTH {
-                keep(&mut least[l], ((x[l] * unit[0] + y[l] * unit[1]) + z[l] * unit[2]) / w[l]);
-            }
+    let net = &net[..layout.length()];
+    let rational = layout.components == COMPONENTS;
+    let mut least = Lanes::splat(f64::INFINITY);
+    let mut k = 0;
+    while k + WIDTH <= n {
+        let mut along =
+            (load(net, k) * unit[0] + load(net, n + k) * unit[1]) + load(net, 2 * n + k) * unit[2];
+        if rational {
+            along = along / load(net, 3 * n + k);
         }
-        for k in whole..n {
-            keep(&mut least[0], ((x[k] * unit[0] + y[k] * unit[1]) + z[k] * unit[2]) / w[k]);
-        }
-    } else {
-        for k in (0..whole).step_by(WIDTH) {
-            let [x, y, z] = [&x[k..k + WIDTH], &y[k..k + WIDTH], &z[k..k + WIDTH]];
-            for l in 0..WIDTH {
-                keep(&mut least[l], (x[l] * unit[0] + y[l] * unit[1]) + z[l] * unit[2]);
-            }
-        }
-        for k in whole..n {
-            keep(&mut least[0], (x[k] * unit[0] + y[k] * unit[1]) + z[k] * unit[2]);
+        least = along.min(least);
+        k += WIDTH;
+        if k < n && k + WIDTH > n {
+            // The last ones, some of them once more.
+            k = n - WIDTH;
         }
     }
-    let least = Lanes(least).horizontal_min();
+    while k < n {
+        let mut along = (net[k] * unit[0] + net[n + k] * unit[1]) + net[2 * n + k] * unit[2];
+        if rational {
+            along /= net[3 * n + k];
+        }
+        let lane = k % WIDTH;
+        least.0[lane] = if along < least.0[lane] { along } else { least.0[lane] };
+        k += 1;
+    }
+    let least = least.horizontal_min();
     if least.is_finite() { least } else { 0.0 }
 }
 
