@@ -29,6 +29,9 @@ const MOST_CHOSEN: usize = 4000;
 const PER_CONTROL: usize = 4;
 /// Share of the distance before that a surface on which the points lie exactly leaves at most.
 const EXACT: f64 = 0.05;
+/// Control points up to which the data are asked for the smoothing, and those of which it is taken for more.
+const ASKED: usize = 2500;
+const FEWER: usize = 1600;
 /// Standard deviations of the distances beyond which a point is not met, if it is farther than others are apart, too.
 const WILD: f64 = 6.0;
 /// Largest distance of a point, in spacings, from a surface that is right.
@@ -303,7 +306,10 @@ fn fitted_over(
     start.least_squares_rms = Some(least_squares.rms);
     let like_finish = finish_options(points.len());
     let near = options.with_coverage(false).with_fit(match options.fit.smoothing {
-        Smoothing::Automatic { .. } => options.fit.with_smoothing(like_finish.fit.smoothing),
+        Smoothing::Automatic { .. } => match smoothing_of_fewer(points, found, options, progress)? {
+            Some(lambda) => options.fit.with_smoothing(Smoothing::Fixed { lambda }),
+            None => options.fit.with_smoothing(like_finish.fit.smoothing),
+        },
         // The least squares surface is near: there is no need to come down from a large energy.
         Smoothing::Continuation { floor, .. } if floor > 0.0 => {
             options.fit.with_smoothing(Smoothing::Fixed { lambda: floor })
@@ -369,6 +375,33 @@ fn fitted_over(
     report.base = Some(base);
     report.dropped = found.report.dropped;
     Ok((surface, report, start))
+}
+
+/// The smoothing of a net of so many control points that the data are not asked for it, from a net of fewer: the energy is that of spans of
+/// length 1, so that its factor grows with the fourth power of their number. `None` for nets of few, and with a tolerance.
+fn smoothing_of_fewer(
+    points: &[Vector3<f64>],
+    found: &Parameterisation,
+    options: &SurfaceOptions,
+    progress: Progress<'_>,
+) -> Result<Option<f64>, ParameterError> {
+    let unknowns = options.size.controls[0] * options.size.controls[1];
+    if unknowns <= ASKED || options.abs_tolerance.is_some() {
+        return Ok(None);
+    }
+    let share = (FEWER as f64 / unknowns as f64).sqrt();
+    let mut size = options.size;
+    for (controls, degree) in size.controls.iter_mut().zip(size.degrees) {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "less than a count")]
+        let fewer = (*controls as f64 * share).round() as usize;
+        *controls = fewer.clamp(degree + 1, *controls);
+    }
+    let fewer = (size.controls[0] * size.controls[1]) as f64;
+    if fewer > ASKED as f64 {
+        return Ok(None);
+    }
+    let (_, report, _) = fitted_over(points, found, &options.with_size(size), progress)?;
+    Ok(Some(report.fit.lambda * (unknowns as f64 / fewer).powi(2)))
 }
 
 /// What the report says about the surface that is left, and all finite points, whether they were used or not.
