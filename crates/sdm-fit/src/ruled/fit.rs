@@ -218,7 +218,10 @@ fn fit_to_points(
     progress: Progress<'_>,
 ) -> Result<Fitted<ActiveRuled, 3>, Error> {
     let target = Target::Points { points, weights };
-    let begun = options.fit.with_smoothing(begun_at(points, &shape, &options.fit)?);
+    // Twists are to fall while the energy is large: later they lead to surfaces whose normals turn over.
+    let smoothing =
+        if options.abs_twist > 0.0 { options.fit.smoothing } else { begun_at(points, &shape, &options.fit)? };
+    let begun = options.fit.with_smoothing(smoothing);
     let fitted = fit_with_progress(shape, target, constraints, &begun, progress)?;
     let is_trifle = match options.fit.smoothing {
         Smoothing::Fixed { lambda } => lambda <= TRIFLE,
