@@ -118,7 +118,9 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Erro
         None => {
             let all = SurfaceDistances::of(&surface, &points, job.options.fit.robust);
             let all = all.map_err(|error| refused(job, &error))?;
-            let judged = |coverage: &SurfaceCoverage| Judgement::of(&all, coverage, &job.options);
+            let judged = |coverage: &SurfaceCoverage| {
+                Judgement::of(&all, coverage, job.options.abs_tolerance, job.options.fit.robust)
+            };
             fitted.coverage.as_ref().map(judged).unwrap_or_default()
         }
     };

@@ -2,7 +2,7 @@
 
 use crate::report::Report;
 use crate::wording::counted;
-use industrial_geometry::fit::{Robust, SurfaceCoverage, SurfaceDistances, SurfaceOptions};
+use industrial_geometry::fit::{Robust, SurfaceCoverage, SurfaceDistances};
 use std::path::Path;
 
 /// How much residuals of neighbours differ, 1 where they have nothing to do with each other, below which a surface does not follow the
@@ -44,14 +44,19 @@ impl Judgement {
 }
 
 impl Judgement {
-    /// From the distances of all points.
-    pub(crate) fn of(found: &SurfaceDistances, coverage: &SurfaceCoverage, options: &SurfaceOptions) -> Self {
+    /// From the distances of all points, a tolerance, and what is assumed about outliers.
+    pub(crate) fn of(
+        found: &SurfaceDistances,
+        coverage: &SurfaceCoverage,
+        abs_tolerance: Option<f64>,
+        robust: Robust,
+    ) -> Self {
         // A tolerance, and the share of the points that must be within it, decide about all of them.
-        if options.abs_tolerance.is_some() {
+        if abs_tolerance.is_some() {
             return Self::default();
         }
         // Points are left out on purpose where outliers are expected.
-        let purposely = options.fit.robust != Robust::None;
+        let purposely = robust != Robust::None;
         let limit = coverage.limit.max(WILD * SurfaceCoverage::noise_of(&found.distances));
         let is_far = |i: &usize| found.distances[*i] > limit && !(purposely && found.weights[*i] == 0.0);
         let far: Vec<usize> = (0..found.distances.len()).filter(is_far).collect();

@@ -407,8 +407,12 @@ fn concluded(
     let kept: Vec<Vector3<f64>> = points.iter().zip(&belongs).filter(|(_, b)| **b).map(|(p, _)| *p).collect();
     // Open ends stop where the points do that are no outliers.
     let found = SurfaceDistances::of(&surface, points, options.fit.robust)?;
-    let counting: Vec<Vector3<f64>> =
-        points.iter().zip(&found.weights).filter(|(_, w)| **w > 0.0).map(|(p, _)| *p).collect();
+    // Of points without noise, nearly all are beyond the scale of a kernel.
+    let least = SMALL * diagonal(points);
+    let counting: Vec<Vector3<f64>> = (0..points.len())
+        .filter(|&i| found.weights[i] > 0.0 || found.distances[i] <= least)
+        .map(|i| points[i])
+        .collect();
     let frames = surface_frames(&surface, &counting)?;
     if let Some(cut) = cut_to_feet(&surface, &frames)? {
         surface = cut;
@@ -431,7 +435,7 @@ fn concluded(
         report.share_within = Some(share);
         report.within_tolerance = share >= options.share;
     }
-    let judgement = Judgement::of(&found, &coverage, options);
+    let judgement = Judgement::of(&found, &coverage, options.abs_tolerance, options.fit.robust);
     (start.far, start.far_max, start.unresolved) = (judgement.far, judgement.far_max, judgement.unresolved);
     // What is near all points, with all of its parts, is right, whatever it began with.
     let is_near = coverage.is_complete() && report.fit.max <= VERIFIED * coverage.spacing;
