@@ -7,6 +7,7 @@ use crate::fitting_input::{
 };
 use crate::progress::Progress;
 use crate::report::{Report, Results, Timings};
+use crate::surface_judgement::Judgement;
 use crate::wording::counted;
 use industrial_geometry::fit::ruled::{
     Developability, RuledCloudOptions, fit_ruled_cloud_with_progress, offset_points,
@@ -17,9 +18,6 @@ use industrial_geometry::fit::{
 use industrial_geometry::nurbs::nalgebra::Vector3;
 use serde::Serialize;
 use std::path::Path;
-
-/// Below this residuals of neighbours are alike, where 1 is noise.
-const NOISE: f64 = 0.5;
 
 /// What is to be done.
 #[derive(Debug)]
@@ -107,17 +105,11 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Erro
     let fit = FitNumbers::new(fitted.fit, found.dropped, 0, within);
     report.count_points("points", fit.points_dropped, fit.points_used);
     let incomplete = warn_incomplete(fitted.coverage.as_ref(), report);
-    // One that is off for neighbours alike, by more than they are apart, does not follow them.
-    let spacing = fitted.coverage.map_or(f64::INFINITY, |coverage| coverage.spacing);
-    let far = job.options.abs_tolerance.is_none() && fit.rms > spacing && distances.disagreement < NOISE;
-    if far {
-        report.warnings.push(format!(
-            "the points are {:.3e} from the surface on average, farther than they are from each other: it does not follow them; take more \
-             sections or control points, or give a tolerance",
-            fit.rms
-        ));
-    }
-    let verdict = fit.verdict().without(far || incomplete || folds.count() > 0);
+    let (tolerance, robust) = (job.options.abs_tolerance, job.options.ruled.fit.robust);
+    let judged = |coverage: &SurfaceCoverage| Judgement::of(&distances, coverage, tolerance, robust);
+    let judgement = fitted.coverage.as_ref().map(judged).unwrap_or_default();
+    let unmet = judgement.warn(job.points, fit.rms, report);
+    let verdict = fit.verdict().without(unmet || incomplete || folds.count() > 0);
     report.results = Some(Results::Ruled(Box::new(RuledResults {
         fit,
         base: found.base,

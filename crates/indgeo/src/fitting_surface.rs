@@ -8,10 +8,11 @@ use crate::fitting_input::{
 };
 use crate::progress::Progress;
 use crate::report::{Report, Results, Timings};
+use crate::surface_judgement::Judgement;
 use crate::surface_start::{Refusal, Start, from_cloud};
 use crate::wording::counted;
 use industrial_geometry::fit::{
-    BaseShape, Error as FitError, Folds, StepRecord, SurfaceCoverage, SurfaceOptions,
+    BaseShape, Error as FitError, Folds, StepRecord, SurfaceCoverage, SurfaceDistances, SurfaceOptions,
     fit_surface_with_progress, with_controls,
 };
 use serde::Serialize;
@@ -110,19 +111,23 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Erro
     }
     if let Some(path) = job.out {
         let content = format!("B-spline surface, {} × {}", fitted.controls[0], fitted.controls[1]);
-        put_model(path, surface, content, report)?;
+        put_model(path, surface.clone(), content, report)?;
     }
-    let unresolved = job.options.abs_tolerance.is_none() && from.as_ref().is_some_and(|s| s.unresolved);
-    if unresolved {
-        report.warnings.push(format!(
-            "the points are {:.3e} from the surface on average, farther than they are from each other, and neighbours alike: it does not \
-             follow them; take more control points or another --shape",
-            fitted.fit.rms
-        ));
-    }
+    let judgement = match &from {
+        Some(start) => start.judgement(),
+        None => {
+            let all = SurfaceDistances::of(&surface, &points, job.options.fit.robust);
+            let all = all.map_err(|error| refused(job, &error))?;
+            let judged = |coverage: &SurfaceCoverage| {
+                Judgement::of(&all, coverage, job.options.abs_tolerance, job.options.fit.robust)
+            };
+            fitted.coverage.as_ref().map(judged).unwrap_or_default()
+        }
+    };
+    let unmet = judgement.warn(job.points, fitted.fit.rms, report);
     let incomplete = warn_incomplete(fitted.coverage.as_ref(), report);
-    let beginning = from.as_ref().is_some_and(|start| start.doubtful || start.far > 0);
-    let faults = unresolved || beginning || incomplete || fitted.folds.count() > 0;
+    let doubtful = from.as_ref().is_some_and(|start| start.doubtful);
+    let faults = unmet || doubtful || incomplete || fitted.folds.count() > 0;
     let within = Within {
         tolerance: job.options.abs_tolerance,
         share: fitted.share_within,

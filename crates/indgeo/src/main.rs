@@ -40,6 +40,7 @@ mod selftest;
 mod session;
 mod staging;
 mod summary;
+mod surface_judgement;
 mod surface_start;
 mod target;
 mod tessellating;

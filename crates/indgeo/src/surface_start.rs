@@ -1,6 +1,7 @@
 //! Surfaces from clouds of which nothing is known: base surface, parameters, least squares, squared distances.
 
 use crate::report::Report;
+use crate::surface_judgement::Judgement;
 use crate::wording::counted;
 use industrial_geometry::cloud_param::{
     Error as ParameterError, FinishOutcome, FitOptions, Parameterisation, ParameteriseOptions,
@@ -17,10 +18,9 @@ use industrial_geometry::nurbs::nalgebra::Vector3;
 use serde::Serialize;
 use std::path::Path;
 
-/// How much residuals of neighbours differ, 1 where they have nothing to do with each other: from the first on more control points have
-/// nothing to follow, below the second the surface does not follow the points.
+/// How much residuals of neighbours differ, 1 where they have nothing to do with each other, from which on more control points have nothing
+/// to follow.
 const NOISE: f64 = 0.8;
-const NOISE_AT_LEAST: f64 = 0.5;
 /// Root mean square distance, as a share of the diagonal, that needs no more control points; share of it that more of them must leave at
 /// most; most control points that are chosen, and fewest points for each.
 const SMALL: f64 = 1e-4;
@@ -29,8 +29,9 @@ const MOST_CHOSEN: usize = 4000;
 const PER_CONTROL: usize = 4;
 /// Share of the distance before that a surface on which the points lie exactly leaves at most.
 const EXACT: f64 = 0.05;
-/// Standard deviations of the distances beyond which a point is not met, if it is farther than others are apart, too.
-const WILD: f64 = 6.0;
+/// Control points up to which the data are asked for the smoothing, and those of which it is taken for more.
+const ASKED: usize = 2500;
+const FEWER: usize = 1600;
 /// Largest distance of a point, in spacings, from a surface that is right.
 const VERIFIED: f64 = 0.25;
 /// First factor of an energy that vanishes, from a surface that is near, and its factor in each iteration.
@@ -65,9 +66,6 @@ pub(crate) struct Start {
     pub(crate) far_max: f64,
     /// Whether the points are farther from the surface than from each other, and neighbours alike: it does not follow them.
     pub(crate) unresolved: bool,
-    /// Which points were left out.
-    #[serde(skip)]
-    left_out: Vec<bool>,
 }
 
 impl Start {
@@ -84,7 +82,6 @@ impl Start {
             far: 0,
             far_max: 0.0,
             unresolved: false,
-            left_out: Vec::new(),
         }
     }
 
@@ -99,6 +96,11 @@ impl Start {
         }
     }
 
+    /// What is wrong with the distances of the points.
+    pub(crate) fn judgement(&self) -> Judgement {
+        Judgement { far: self.far, far_max: self.far_max, unresolved: self.unresolved }
+    }
+
     /// Says which points do not count, and what was kept.
     pub(crate) fn warn(&self, path: &Path, report: &mut Report) {
         let name = path.display();
@@ -109,13 +111,6 @@ impl Start {
             if count > 0 {
                 report.warnings.push(format!("{name}: {} {what}: not used", counted(count, "point")));
             }
-        }
-        if self.far > 0 {
-            report.warnings.push(format!(
-                "{name}: {} far from all parts of the surface, up to {:.3e}; `--outliers automatic` leaves out what does not belong",
-                counted(self.far, "point"),
-                self.far_max
-            ));
         }
         if self.doubtful {
             report
@@ -303,7 +298,10 @@ fn fitted_over(
     start.least_squares_rms = Some(least_squares.rms);
     let like_finish = finish_options(points.len());
     let near = options.with_coverage(false).with_fit(match options.fit.smoothing {
-        Smoothing::Automatic { .. } => options.fit.with_smoothing(like_finish.fit.smoothing),
+        Smoothing::Automatic { .. } => match smoothing_of_fewer(points, found, options, progress)? {
+            Some(lambda) => options.fit.with_smoothing(Smoothing::Fixed { lambda }),
+            None => options.fit.with_smoothing(like_finish.fit.smoothing),
+        },
         // The least squares surface is near: there is no need to come down from a large energy.
         Smoothing::Continuation { floor, .. } if floor > 0.0 => {
             options.fit.with_smoothing(Smoothing::Fixed { lambda: floor })
@@ -320,7 +318,6 @@ fn fitted_over(
         Shape::Sphere => BaseShape::Sphere,
         _ => BaseShape::Cylinder,
     };
-    start.left_out = counts.iter().map(|counts| !counts).collect();
     let (surface, mut report) = if options.abs_tolerance.is_some() {
         let used = points.iter().zip(&counts).filter(|(_, counts)| **counts);
         let data: Vec<Vector3<f64>> = used.map(|(p, _)| *p).collect();
@@ -371,6 +368,33 @@ fn fitted_over(
     Ok((surface, report, start))
 }
 
+/// The smoothing of a net of so many control points that the data are not asked for it, from a net of fewer: the energy is that of spans of
+/// length 1, so that its factor grows with the fourth power of their number. `None` for nets of few, and with a tolerance.
+fn smoothing_of_fewer(
+    points: &[Vector3<f64>],
+    found: &Parameterisation,
+    options: &SurfaceOptions,
+    progress: Progress<'_>,
+) -> Result<Option<f64>, ParameterError> {
+    let unknowns = options.size.controls[0] * options.size.controls[1];
+    if unknowns <= ASKED || options.abs_tolerance.is_some() {
+        return Ok(None);
+    }
+    let share = (FEWER as f64 / unknowns as f64).sqrt();
+    let mut size = options.size;
+    for (controls, degree) in size.controls.iter_mut().zip(size.degrees) {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "less than a count")]
+        let fewer = (*controls as f64 * share).round() as usize;
+        *controls = fewer.clamp(degree + 1, *controls);
+    }
+    let fewer = (size.controls[0] * size.controls[1]) as f64;
+    if fewer > ASKED as f64 {
+        return Ok(None);
+    }
+    let (_, report, _) = fitted_over(points, found, &options.with_size(size), progress)?;
+    Ok(Some(report.fit.lambda * (unknowns as f64 / fewer).powi(2)))
+}
+
 /// What the report says about the surface that is left, and all finite points, whether they were used or not.
 fn concluded(
     points: &[Vector3<f64>],
@@ -383,8 +407,12 @@ fn concluded(
     let kept: Vec<Vector3<f64>> = points.iter().zip(&belongs).filter(|(_, b)| **b).map(|(p, _)| *p).collect();
     // Open ends stop where the points do that are no outliers.
     let found = SurfaceDistances::of(&surface, points, options.fit.robust)?;
-    let counting: Vec<Vector3<f64>> =
-        points.iter().zip(&found.weights).filter(|(_, w)| **w > 0.0).map(|(p, _)| *p).collect();
+    // Of points without noise, nearly all are beyond the scale of a kernel.
+    let least = SMALL * diagonal(points);
+    let counting: Vec<Vector3<f64>> = (0..points.len())
+        .filter(|&i| found.weights[i] > 0.0 || found.distances[i] <= least)
+        .map(|i| points[i])
+        .collect();
     let frames = surface_frames(&surface, &counting)?;
     if let Some(cut) = cut_to_feet(&surface, &frames)? {
         surface = cut;
@@ -407,19 +435,8 @@ fn concluded(
         report.share_within = Some(share);
         report.within_tolerance = share >= options.share;
     }
-    // Points apart from the others are left out on purpose where outliers are expected; with a tolerance that one decides about points that
-    // were used.
-    let purposely = options.fit.robust != Robust::None;
-    let limit = coverage.limit.max(WILD * noise);
-    let is_far = |i: &usize| {
-        let expected = purposely && found.weights[*i] == 0.0;
-        let left_out = start.left_out.get(*i).copied().unwrap_or(false) || found.weights[*i] == 0.0;
-        (left_out || options.abs_tolerance.is_none()) && !expected && found.distances[*i] > limit
-    };
-    let far: Vec<usize> = (0..points.len()).filter(is_far).collect();
-    start.far_max = far.iter().map(|&i| found.distances[i]).fold(0.0, f64::max);
-    start.far = far.len();
-    start.unresolved = report.fit.rms > coverage.spacing && found.disagreement < NOISE_AT_LEAST;
+    let judgement = Judgement::of(&found, &coverage, options.abs_tolerance, options.fit.robust);
+    (start.far, start.far_max, start.unresolved) = (judgement.far, judgement.far_max, judgement.unresolved);
     // What is near all points, with all of its parts, is right, whatever it began with.
     let is_near = coverage.is_complete() && report.fit.max <= VERIFIED * coverage.spacing;
     start.doubtful &= !(is_near && report.folds.count() == 0);

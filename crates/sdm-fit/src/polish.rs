@@ -14,13 +14,15 @@ const ALIKE: f64 = 0.3;
 const ROUNDING: f64 = 1e-14;
 /// Iterations at most, and those after which the distance must have fallen to this share.
 const ITERATIONS: usize = 40;
-const TRIED: usize = 6;
-const FALLEN: f64 = 0.3;
+const TRIED: usize = 8;
+const FALLEN: f64 = 0.5;
 /// Share of the distance before that the result must reach: a shape that is not exact only comes a little nearer without its energy, and
 /// loses what that is for.
 const EXACT: f64 = 0.05;
 /// Damping of the steps: what no point holds stays where it is.
 const DAMPING: f64 = 1e-9;
+/// Largest share of the squared distances that the fairing is: it vanishes with them.
+const CAP: f64 = 0.01;
 
 /// Whether the smoothing that was asked for may vanish.
 pub(crate) fn may_vanish(smoothing: Smoothing) -> bool {
@@ -36,7 +38,7 @@ pub(crate) fn nearly_exact(disagreement: f64) -> f64 {
     if disagreement < ALIKE { NEARLY[0] } else { NEARLY[1] }
 }
 
-/// Goes on from a fit without smoothing and fairing, which draw a shape off the points, if hardly any distance is left; `None` where that
+/// Goes on from a fit without smoothing, and with fairing that vanishes, which draw a shape off the points, if hardly any distance is left; `None` where that
 /// does not lead to a shape on which the points lie exactly. The history is that of both.
 pub(crate) fn polished<const D: usize, S: ActiveShape<D>>(
     before: &Fitted<S, D>,
@@ -65,7 +67,7 @@ pub(crate) fn polished<const D: usize, S: ActiveShape<D>>(
     };
     let exact = options
         .with_smoothing(Smoothing::NONE)
-        .with_fairing(0.0)
+        .with_fairing_cap(Some(CAP))
         .with_damping(DAMPING)
         .with_cost_tolerance(0.01)
         .with_tolerance(1e-14)

@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 use nurbs_core::BsplineSurface;
 use sdm_fit::{
     Folds, Progress, Smoothing, Status, StepRecord, SurfaceCost, SurfaceOptions, SurfaceReport,
-    fit_surface_with_progress, no_progress, surface_costs, surface_frames,
+    fit_surface_with_progress, no_progress, residual_disagreement, surface_costs, surface_frames,
 };
 
 /// Factor of the energy with which a finish begins: the surface is near the points, and more would draw it away from them.
@@ -22,6 +22,10 @@ const DAMPING: f64 = 1e-2;
 const STAGE: usize = 5;
 /// A stage that lowers the distance by less than this share is the last.
 const SLOW: f64 = 0.005;
+/// How much farther from the points a smoother surface may be whose residuals are not noise, and the disagreement of residuals, 1 for noise,
+/// below which neighbours share them.
+const FARTHER: f64 = 1.5;
+const ALIKE: f64 = 0.5;
 /// Iterations after which the smoothing that the data ask for stays.
 const SETTLED: usize = 15;
 /// Where it folds, and control points have to be moved back by more than this share, what the damping is raised to, and the factor of the fairing.
@@ -113,7 +117,17 @@ fn minimised(
             }
             None => None,
         };
-        let is_better = next.filter(|_| costs.is_some_and(|[before, after]| after.cost < before.cost));
+        // A smoothing that leaves residuals which neighbours share has gone too far: there was no noise to be smoothed.
+        let too_smooth = match (&next, costs) {
+            (Some((_, places, _)), Some([before, after])) => {
+                let is_automatic = matches!(options.fit.smoothing, Smoothing::Automatic { .. });
+                let is_farther = is_automatic && after.rms > FARTHER * before.rms;
+                is_farther && residual_disagreement(data, places)? < ALIKE
+            }
+            _ => false,
+        };
+        let is_cheaper = costs.is_some_and(|[before, after]| after.cost < before.cost);
+        let is_better = next.filter(|_| is_cheaper && !too_smooth);
         let failed = is_better.is_none();
         // Steps that lower what they minimise come to no better surface: this one is a minimum.
         let at_minimum = failed && costs.is_some();

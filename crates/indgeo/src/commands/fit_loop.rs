@@ -21,7 +21,7 @@ pub(crate) struct LoopArgs {
     /// What is assumed about points that do not belong to the shape
     #[arg(long, value_enum, default_value_t = OutlierChoice::None)]
     outliers: OutlierChoice,
-    /// Most iterations between changes of the knots [default: 100]; a fit that they end is not converged (exit status 1), unless a
+    /// Most iterations between changes of the knots [default: 100, of ruled surfaces 200]; a fit that they end is not converged (exit status 1), unless a
     /// tolerance was asked for and holds
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     max_iterations: Option<u16>,

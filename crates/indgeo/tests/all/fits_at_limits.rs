@@ -227,3 +227,26 @@ fn folded_edges_of_subdivision_surfaces_are_told() {
     assert!((number(&found["coverage"]["area"]) - 2.0 * TAU).abs() < 0.1, "{}", found["coverage"]);
     assert_eq!(number(&found["coverage"]["area_without_data"]), 0.0);
 }
+
+#[test]
+fn many_control_points_do_not_follow_noise() {
+    let bench = Bench::new();
+    // As many control points as nearly one for each point.
+    bench.put(
+        "sheet.xyz",
+        cloud(4000, 95, |next| {
+            let (x, y) = (10.0 * next(), 10.0 * next());
+            [x, y, (0.5 * x).sin() + 0.15 * normal(next)]
+        }),
+    );
+    let run = bench.run("fit-surface sheet.xyz -o s.json --control-points 56x56 --json -");
+    let rms = number(&results(&run)["rms"]);
+    assert!((0.14..0.155).contains(&rms), "{rms}: {}", run.stderr);
+    let surface = Surface::read(&bench, "s.json");
+    let mut square = 0.0;
+    for k in 0..10_000 {
+        let [x, _, z] = surface.at([(k / 100) as f64 / 99.0, (k % 100) as f64 / 99.0]);
+        square += (z - (0.5 * x).sin()).powi(2) / 1e4;
+    }
+    assert!(square.sqrt() < 0.04, "{}", square.sqrt());
+}

@@ -10,7 +10,7 @@ use crate::assemble::add_products;
 use crate::freedom::Freedom;
 use crate::iterate::Progress;
 use crate::layout::{Blocks, Layout, triangle};
-use crate::primitive::{PrimitiveOptions, fit_cylinder, fit_torus};
+use crate::primitive::{PrimitiveOptions, fit_cone, fit_cylinder, fit_torus};
 use crate::shape::CellTable;
 use crate::simd::vectorized;
 use crate::{Error, FitReport, Status, StepRecord, parallel};
@@ -333,7 +333,7 @@ pub(super) fn conic_starts(points: &[Vector3<f64>], asked: BaseShape) -> Result<
     };
     // From a net with kinks the way to a cylinder or torus can be long, and least squares ones are at hand.
     let mut starts: Vec<BsplineSurface> = Vec::new();
-    if let Some(primitive) = primitive(&local, base.shape) {
+    for primitive in primitives(&local, base.shape) {
         starts.push(primitive.translated(&middle)?);
     }
     let start = |knots: [KnotVector; 2]| -> Result<BsplineSurface, Error> {
@@ -345,21 +345,23 @@ pub(super) fn conic_starts(points: &[Vector3<f64>], asked: BaseShape) -> Result<
     Ok(starts)
 }
 
-/// The least squares cylinder (a little longer than the points) or torus.
-fn primitive(points: &[Vector3<f64>], shape: BaseShape) -> Option<BsplineSurface> {
+/// The least squares cylinder (a little longer than the points) and cone, or torus.
+fn primitives(points: &[Vector3<f64>], shape: BaseShape) -> Vec<BsplineSurface> {
     let options = PrimitiveOptions::default();
+    let cylinder = || {
+        let cylinder = fit_cylinder(points, &options).ok()?.shape;
+        let heights = points.iter().map(|p| cylinder.frame().local(p).z);
+        let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), z| (l.min(z), h.max(z)));
+        let margin = MARGIN * (high - low);
+        let heights = Interval::new(low - margin, high + margin).ok()?;
+        Cylinder::new(*cylinder.frame(), cylinder.radius(), heights).ok()?.to_nurbs().ok()
+    };
+    let cone = || fit_cone(points, &options).ok()?.shape.to_nurbs().ok();
+    let torus = || fit_torus(points, &options).ok()?.shape.to_nurbs().ok();
     match shape {
-        BaseShape::Torus => fit_torus(points, &options).ok()?.shape.to_nurbs().ok(),
-        BaseShape::Cylinder => {
-            let cylinder = fit_cylinder(points, &options).ok()?.shape;
-            let heights = points.iter().map(|p| cylinder.frame().local(p).z);
-            let (low, high) =
-                heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), z| (l.min(z), h.max(z)));
-            let margin = MARGIN * (high - low);
-            let heights = Interval::new(low - margin, high + margin).ok()?;
-            Cylinder::new(*cylinder.frame(), cylinder.radius(), heights).ok()?.to_nurbs().ok()
-        }
-        BaseShape::Plane | BaseShape::Sphere | BaseShape::Auto => None,
+        BaseShape::Torus => torus().into_iter().collect(),
+        BaseShape::Cylinder => [cylinder(), cone()].into_iter().flatten().collect(),
+        BaseShape::Plane | BaseShape::Sphere | BaseShape::Auto => Vec::new(),
     }
 }
 
