@@ -14,10 +14,13 @@ const FEWEST: usize = 300;
 const PER_LAG: usize = 3000;
 /// Growth of the lags, and of the distances of one class of pairs to the next.
 const LAGS: f64 = 1.3;
-const CLASSES: f64 = 1.5;
-/// Fewest pairs of a class, and the standard errors of a mean of independent products below which it says nothing.
+const CLASSES: f64 = 1.3;
+/// Fewest pairs of a class.
 const PAIRS: usize = 60;
+/// Standard errors of a mean of independent products below which the nearest class says nothing, and those below which a later one
+/// ends the sum: what is left out makes the covariance too small.
 const SIGNIFICANT: f64 = 3.5;
+const ENDING: f64 = 1.5;
 /// Points whose distances tell how many neighbours one has.
 const COUNTED: usize = 600;
 
@@ -75,7 +78,8 @@ impl Correlation {
             end = end.max((start + PAIRS).min(pairs.len()));
             let class = &pairs[start..end];
             let mean = class.iter().map(|pair| pair.1).sum::<f64>() / class.len() as f64;
-            if mean * (class.len() as f64).sqrt() < SIGNIFICANT {
+            let least = if start == 0 { SIGNIFICANT } else { ENDING };
+            if mean * (class.len() as f64).sqrt() < least {
                 break;
             }
             let reach = class[class.len() - 1].0;
