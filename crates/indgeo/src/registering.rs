@@ -29,11 +29,6 @@ const GOOD_SHARE: f64 = 0.9;
 const COMPARED: usize = 4000;
 /// Candidates of a search over all positions from which the registration is run.
 const CANDIDATES: usize = 3;
-/// The same for clouds as models, which may have little in common with the points.
-const CLOUD_CANDIDATES: usize = 5;
-/// Distance, as a share of the size of such a model, up to which a point lies on it in the search: small, since parts of smooth shapes
-/// fit others roughly in many ways.
-const CLOUD_TOLERANCE: f64 = 0.004;
 
 /// Where the registration of a scan, or of many views, starts.
 #[derive(Clone, Copy, Debug)]
@@ -238,11 +233,10 @@ fn solve(
         let tell = |done: usize, total: usize| progress.part("searching all positions", done, total);
         let samples = model.samples(job.model)?;
         let found =
-            oriented.and_then(|points| coarse_start(&samples, &points, &search_options(model), &tell));
+            oriented.and_then(|points| coarse_start(&samples, &points, &StartOptions::default(), &tell));
         let found = found
             .map_err(|error| Error::content(job.points, error.to_string(), "check it with `indgeo info`"))?;
-        let count = if matches!(model, RegistrationModel::Cloud(_)) { CLOUD_CANDIDATES } else { CANDIDATES };
-        for candidate in found.candidates.iter().take(count) {
+        for candidate in found.candidates.iter().take(CANDIDATES) {
             if is_good(from("search", &candidate.pose)?) {
                 break;
             }
@@ -289,13 +283,6 @@ fn register(
         }
         other => Error::content(job.points, other.to_string(), "check it with `indgeo info`"),
     })
-}
-
-fn search_options(model: &RegistrationModel) -> StartOptions {
-    match model {
-        RegistrationModel::Cloud(_) => StartOptions::default().with_tolerance(CLOUD_TOLERANCE),
-        _ => StartOptions::default(),
-    }
 }
 
 /// How well a pose fits: mean squared distance with a limit, as a share of the limit, and the share of the points within.

@@ -56,8 +56,12 @@ pub(crate) fn warning(result: &RegisterReport<3>, job: &Job<'_>) -> Option<Strin
             "as many points are just beside the model as on it, as where surfaces cross: give another start (--init), or choose \
              --start global"
         }
-        Some(Doubt::Locks) => "the locked degrees of freedom keep the points off the model: lock less, or start nearer",
-        Some(Doubt::Collapsed) => "the estimated scale is none: give a start with about the right scale (--init)",
+        Some(Doubt::Locks) => {
+            "the locked degrees of freedom keep the points off the model: lock less, or start nearer"
+        }
+        Some(Doubt::Collapsed) => {
+            "the estimated scale is none: give a start with about the right scale (--init)"
+        }
         Some(_) => {
             "the points are much farther from the model than their own noise: another part, another place (--start global, --init), \
              or another unit (--scale)"

@@ -49,8 +49,7 @@ impl Correlation {
         if used.len() < FEWEST {
             return Self::NONE;
         }
-        let points: Vec<SVector<f64, D>> =
-            used.iter().map(|&i| cloud.points[i] * view.pose.scale).collect();
+        let points: Vec<SVector<f64, D>> = used.iter().map(|&i| cloud.points[i] * view.pose.scale).collect();
         // As vectors, since the sides of normals may be arbitrary.
         let residuals: Vec<SVector<f64, D>> =
             used.iter().map(|&i| view.frames[i].normal() * view.frames[i].distance).collect();
@@ -82,7 +81,9 @@ impl Correlation {
             if mean * (class.len() as f64).sqrt() < least {
                 break;
             }
-            let reach = class[class.len() - 1].0;
+            // Half-way to the next class: points on a grid have few different distances.
+            let last = class[class.len() - 1].0;
+            let reach = pairs.get(end).map_or(last, |next| (last * next.0).sqrt());
             sum += mean * (neighbours.up_to(reach) - neighbours.up_to(length)).max(0.0);
             length = reach;
             start = end;
@@ -119,8 +120,10 @@ impl Neighbours {
         let step = points.len().div_ceil(COUNTED).max(1);
         let some: Vec<&SVector<f64, D>> = points.iter().step_by(step).collect();
         let m = some.len();
-        let mut distances: Vec<f64> =
-            (0..m).flat_map(|i| (0..i).map(move |j| (i, j))).map(|(i, j)| (some[i] - some[j]).norm()).collect();
+        let mut distances: Vec<f64> = (0..m)
+            .flat_map(|i| (0..i).map(move |j| (i, j)))
+            .map(|(i, j)| (some[i] - some[j]).norm())
+            .collect();
         distances.sort_by(f64::total_cmp);
         let per_distance = 2.0 / m as f64 * (points.len() - 1) as f64 / (m - 1).max(1) as f64;
         let close = distances.get(4 * m).or(distances.last()).copied().unwrap_or(0.0);
@@ -176,7 +179,7 @@ mod tests {
             let found: Vec<f64> = (0..6).map(|seed| square(150, width, seed).per_independent).collect();
             let mean = found.iter().sum::<f64>() / found.len() as f64;
             let expected = (width * width) as f64;
-            assert!(mean > 0.75 * expected && mean < 1.35 * expected, "{width}: {found:?}");
+            assert!(mean > 0.7 * expected && mean < 1.4 * expected, "{width}: {mean} {found:?}");
         }
     }
 }

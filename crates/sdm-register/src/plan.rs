@@ -73,7 +73,16 @@ impl<'a, const D: usize> Plan<'a, D> {
         let coarse = if step >= 2 { Rc::new(cloud.thinned(step)) } else { Rc::clone(&cloud) };
         let null_tolerance = problem.options.null_tolerance;
         let last = Last::Fit(Rule::Fixed(Weighting::SQUARES));
-        Self { problem, cloud, coarse, null_tolerance, facing: false, last, history: History::new(), evaluations: 0 }
+        Self {
+            problem,
+            cloud,
+            coarse,
+            null_tolerance,
+            facing: false,
+            last,
+            history: History::new(),
+            evaluations: 0,
+        }
     }
 
     /// The points of the stages that only have to come near.
@@ -246,9 +255,9 @@ impl<'a, const D: usize> Plan<'a, D> {
         let mut best = self.narrow(start.clone(), kernel, Way { boundary_from: 0, facing: false });
         let mut support = Nearness::of(&best, &self.coarse);
         let ways = [(Some(start), 2, false), (plain, 0, false), (plain, 2, false), (Some(start), 0, true)];
-        let ways = ways.into_iter().filter_map(|(from, boundary_from, facing)| {
-            Some((from?, Way { boundary_from, facing }))
-        });
+        let ways = ways
+            .into_iter()
+            .filter_map(|(from, boundary_from, facing)| Some((from?, Way { boundary_from, facing })));
         for (from, way) in ways {
             if best.status == Status::Cancelled || support.is_enough() {
                 break;
@@ -276,7 +285,9 @@ impl<'a, const D: usize> Plan<'a, D> {
         let limit = self.problem.options.limits[2] * size;
         let estimated = Rule::Estimated { kernel, limit, floor: NOISE_FLOOR * size };
         // The given one is in the unit of the model.
-        let scale = abs_scale.map(|scale| scale / view.unit()).or_else(|| estimated.weighting(&mut view.distances(&base)).scale());
+        let scale = abs_scale
+            .map(|scale| scale / view.unit())
+            .or_else(|| estimated.weighting(&mut view.distances(&base)).scale());
         let scale = scale.unwrap_or(limit);
         let rule = Rule::Fixed(Weighting::Kernel { kernel, scale });
         self.last = Last::Fit(rule);

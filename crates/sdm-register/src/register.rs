@@ -1,11 +1,11 @@
 //! Registration of a cloud to a shape.
 
 use crate::constraint::Chart;
+use crate::evidence::Nearness;
 use crate::iterate::{Outcome, Problem, Progress};
 use crate::plan::Plan;
-use crate::source::Prepared;
-use crate::evidence::Nearness;
 use crate::scale_start;
+use crate::source::Prepared;
 use crate::support::Doubt;
 use crate::{Error, Pose, RegisterOptions, RegisterReport, Source, Status, StepRecord};
 use distance_field::DistanceField;
@@ -115,11 +115,7 @@ fn rms_elsewhere<const D: usize>(
 }
 
 /// Where to start with an unknown scale: the end of the best of registrations of some of the points from several sizes.
-fn best_scale<const D: usize>(
-    problem: &Problem<'_, D>,
-    cloud: &Prepared<D>,
-    start: &Pose<D>,
-) -> Pose<D> {
+fn best_scale<const D: usize>(problem: &Problem<'_, D>, cloud: &Prepared<D>, start: &Pose<D>) -> Pose<D> {
     let few = Plan::new(problem, cloud.clone()).coarse().clone();
     let mut best: Option<(f64, Pose<D>)> = None;
     for pose in scale_start::poses(&problem.field.bounding_box(), cloud, start) {

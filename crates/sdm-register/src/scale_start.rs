@@ -9,11 +9,7 @@ const FACTORS: [f64; 9] = [1.0, 0.8, 1.25, 0.6, 0.45, 1.6, 0.33, 0.2, 2.2];
 
 /// Poses to start from: the given one, and those which give the cloud about the size of the model, grown about the origin of the
 /// coordinates (as other units do) and laid centre on centre.
-pub(crate) fn poses<const D: usize>(
-    bounds: &Aabb<D>,
-    cloud: &Prepared<D>,
-    start: &Pose<D>,
-) -> Vec<Pose<D>> {
+pub(crate) fn poses<const D: usize>(bounds: &Aabb<D>, cloud: &Prepared<D>, start: &Pose<D>) -> Vec<Pose<D>> {
     let ratio = bounds.diagonal() / (cloud.diagonal * start.scale);
     let mut poses = vec![*start];
     if !(ratio.is_finite() && ratio > 0.0) {

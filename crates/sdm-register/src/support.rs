@@ -1,10 +1,10 @@
 //! How far the points speak for a pose: what tells a fit from a place where the iteration merely ended.
 
+use crate::Status;
 use crate::eigen::Eigen;
 use crate::iterate::Outcome;
 use crate::parallel;
 use crate::source::Prepared;
-use crate::Status;
 use mesh_core::CloudIndex;
 use nalgebra::{DMatrix, Point, SVector};
 use std::fmt;
@@ -195,7 +195,12 @@ impl Support {
 
 impl fmt::Display for Support {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{:.1} % of the points count, rms {:.2} % of their size", 100.0 * self.share, 100.0 * self.relative_rms)?;
+        write!(
+            f,
+            "{:.1} % of the points count, rms {:.2} % of their size",
+            100.0 * self.share,
+            100.0 * self.relative_rms
+        )?;
         if let Some(noise) = self.own_noise {
             write!(f, ", own noise {:.2} %", 100.0 * noise)?;
         }
@@ -233,11 +238,7 @@ fn background<const D: usize>(outcome: &Outcome<D>, share: f64) -> Option<f64> {
 
 /// How far points deviate from planes through their neighbours, in the source's unit, and the median angle between the normals
 /// of these and of the model.
-fn own_shape<const D: usize>(
-    outcome: &Outcome<D>,
-    cloud: &Prepared<D>,
-    used: &[usize],
-) -> [Option<f64>; 2] {
+fn own_shape<const D: usize>(outcome: &Outcome<D>, cloud: &Prepared<D>, used: &[usize]) -> [Option<f64>; 2] {
     let step = used.len().div_ceil(SAMPLE).max(1);
     let picked: Vec<usize> = used.iter().copied().step_by(step).collect();
     let points: Vec<Point<f64, D>> = picked.iter().map(|&i| cloud.points[i].into()).collect();

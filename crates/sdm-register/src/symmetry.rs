@@ -65,11 +65,7 @@ pub fn symmetries(
 }
 
 /// All products of generators, as long as they are not too many.
-fn close(
-    group: &mut Vec<Pose<3>>,
-    generators: &[Pose<3>],
-    same: &dyn Fn(&Pose<3>, &Pose<3>) -> bool,
-) {
+fn close(group: &mut Vec<Pose<3>>, generators: &[Pose<3>], same: &dyn Fn(&Pose<3>, &Pose<3>) -> bool) {
     let mut next = 0;
     group.truncate(1);
     while next < group.len() && group.len() <= MOST {

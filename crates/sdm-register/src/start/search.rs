@@ -148,8 +148,7 @@ pub(crate) fn refine_placement(
     count: usize,
 ) -> Vec<(f64, Placement)> {
     let some: Vec<usize> = (0..points.len()).step_by((points.len() / count.max(1)).max(1)).collect();
-    let (scorer, cloud) =
-        (Scorer::new(points.clone(), false), points.scaled(&some, &Vector3::zeros(), 1.0));
+    let (scorer, cloud) = (Scorer::new(points.clone(), false), points.scaled(&some, &Vector3::zeros(), 1.0));
     let found = parallel::tasks(placements.len(), |k| {
         let placement = refine(placements[k], &scorer, &cloud, cloud.len(), FINE);
         (scorer.share_and_rms(&placement, &cloud, cloud.len(), MEDIUM).0, placement)

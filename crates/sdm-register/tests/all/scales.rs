@@ -39,7 +39,10 @@ fn scales_come_back_to_the_last_digits() {
             let error = (report.pose.scale / truth.scale - 1.0).abs();
             let off = distance(&points, &report.pose, &truth) / 2.2;
             if !report.is_converged() || error > 1e-10 || off > 1e-10 {
-                wrong.push(format!("{scale} {u:?} {v:?}: {error:.1e} {off:.1e} {report} | {}", report.support));
+                wrong.push(format!(
+                    "{scale} {u:?} {v:?}: {error:.1e} {off:.1e} {report} | {}",
+                    report.support
+                ));
             }
         }
     }
@@ -51,7 +54,8 @@ fn noise_outliers_and_clouds_as_models() {
     let (surface, options) = (model(), RegisterOptions::default().with_scale(true));
     let field = SurfaceField::new(&surface).unwrap();
     let mut random = Random::new(4);
-    let dense: Vec<_> = part([0.0, 1.0], [0.0, 1.0], 12_000, &mut random).into_iter().map(Point3::from).collect();
+    let dense: Vec<_> =
+        part([0.0, 1.0], [0.0, 1.0], 12_000, &mut random).into_iter().map(Point3::from).collect();
     let cloud = CloudField::new(&dense, None).unwrap();
     for scale in [0.04, 1.0, 25.4] {
         let truth = truth(scale, 10.0, &mut random);
@@ -68,7 +72,8 @@ fn noise_outliers_and_clouds_as_models() {
         assert!(report.is_converged(), "cloud {scale}: {report} | {}", report.support);
         assert!((report.pose.scale / truth.scale - 1.0).abs() < 5e-3, "cloud {scale}: {report}");
         points.extend((0..600).map(|_| {
-            let x = Vector3::new(2.0 * random.uniform(), 0.8 * random.uniform(), 0.8 * random.uniform() - 0.2);
+            let x =
+                Vector3::new(2.0 * random.uniform(), 0.8 * random.uniform(), 0.8 * random.uniform() - 0.2);
             truth.inverse().apply(&x)
         }));
         let report = register(&field, &Source::new(&points), &Pose::identity(), &options).unwrap();

@@ -86,13 +86,7 @@ impl Tally {
         self.wrong.push(what);
     }
 
-    fn converges(
-        &mut self,
-        name: &str,
-        report: &RegisterReport<3>,
-        inliers: &[Vector3<f64>],
-        limit: f64,
-    ) {
+    fn converges(&mut self, name: &str, report: &RegisterReport<3>, inliers: &[Vector3<f64>], limit: f64) {
         let error = distance(inliers, &report.pose, &Pose::identity()) / size(inliers);
         if error > limit || !report.is_converged() {
             self.add(format!("{name}: error {error:.1e} {report} | {}", report.support));
@@ -100,7 +94,13 @@ impl Tally {
     }
 
     /// Either right, or not converged.
-    fn knows(&mut self, name: &str, report: &RegisterReport<3>, inliers: &[Vector3<f64>], limit: f64) -> bool {
+    fn knows(
+        &mut self,
+        name: &str,
+        report: &RegisterReport<3>,
+        inliers: &[Vector3<f64>],
+        limit: f64,
+    ) -> bool {
         let error = distance(inliers, &report.pose, &Pose::identity()) / size(inliers);
         if error > limit && report.is_converged() {
             self.add(format!("{name}: error {error:.1e} {report} | {}", report.support));
@@ -128,13 +128,19 @@ fn right_poses_on_ordinary_data_are_converged() {
         let mut random = Random::new(seed);
         let options = RegisterOptions::default();
         for noise in [0.0, 1e-4, 2e-3, 1e-2] {
-            for (u, v) in [(all, all), ([0.1, 0.6], all), ([0.3, 0.95], [0.1, 0.8]), ([0.2, 0.6], [0.2, 0.9])] {
+            for (u, v) in [(all, all), ([0.1, 0.6], all), ([0.3, 0.95], [0.1, 0.8]), ([0.2, 0.6], [0.2, 0.9])]
+            {
                 for count in [150, 2000, 12_000] {
                     let points = part(u, v, count, noise, &mut random);
                     let start = away(&points, 6.0, 0.04, &mut random);
                     let report = run(&field, &points, &start, &options);
                     let limit = 1e-9 + 60.0 * noise / (count as f64).sqrt();
-                    tally.converges(&format!("part {u:?} {v:?} {count} noise {noise}"), &report, &points, limit);
+                    tally.converges(
+                        &format!("part {u:?} {v:?} {count} noise {noise}"),
+                        &report,
+                        &points,
+                        limit,
+                    );
                 }
             }
         }
@@ -231,11 +237,23 @@ fn what_does_not_belong_together_is_never_converged() {
                 for (kind, points) in [
                     ("points in the box", inside(low, high, count, &mut random)),
                     ("points around", inside(low * 2.0 - high, high * 2.0 - low, count, &mut random)),
-                    ("points nearby", inside(low, high, count, &mut random).iter().map(|x| x + (high - low) * 0.7).collect()),
-                    ("cloud of points", (0..count).map(|_| bounds.centre() + random.vector() * 0.3).collect()),
+                    (
+                        "points nearby",
+                        inside(low, high, count, &mut random)
+                            .iter()
+                            .map(|x| x + (high - low) * 0.7)
+                            .collect(),
+                    ),
+                    (
+                        "cloud of points",
+                        (0..count).map(|_| bounds.centre() + random.vector() * 0.3).collect(),
+                    ),
                     ("sphere", sphere(0.6, count, &mut random).iter().map(|x| x + bounds.centre()).collect()),
                     ("large sphere", sphere(8.0, count, &mut random)),
-                    ("small sphere", sphere(0.2, count, &mut random).iter().map(|x| x + bounds.centre()).collect()),
+                    (
+                        "small sphere",
+                        sphere(0.2, count, &mut random).iter().map(|x| x + bounds.centre()).collect(),
+                    ),
                 ] {
                     // Spheres fit into nothing here, and a body is no surface patch.
                     let report = run(field, &points, &Pose::identity(), &RegisterOptions::default());
@@ -247,7 +265,10 @@ fn what_does_not_belong_together_is_never_converged() {
         for name in ["surface", "box"] {
             let field: &dyn DistanceField<3> = if name == "surface" { &field } else { &cube };
             let start = away(&cloud, 60.0 * random.uniform(), 0.2, &mut random);
-            tally.never(&format!("another body on the {name}"), &run(field, &cloud, &start, &RegisterOptions::default()));
+            tally.never(
+                &format!("another body on the {name}"),
+                &run(field, &cloud, &start, &RegisterOptions::default()),
+            );
         }
         let cloud = part([0.0, 1.0], [0.0, 1.0], 2000, 1e-3, &mut random);
         let start = away(&cloud, 60.0 * random.uniform(), 0.2, &mut random);
@@ -270,7 +291,8 @@ fn wrong_minima_are_not_called_converged() {
                 let points = part([0.05, 0.95], [0.05, 0.95], 700, noise, &mut random);
                 let start = away(&points, degrees, 0.3, &mut random);
                 let report = run(&field, &points, &start, &RegisterOptions::default());
-                right += usize::from(tally.knows(&format!("surface {degrees} {noise}"), &report, &points, 5e-3));
+                right +=
+                    usize::from(tally.knows(&format!("surface {degrees} {noise}"), &report, &points, 5e-3));
                 let points = part([0.2, 0.6], [0.1, 0.9], 700, noise, &mut random);
                 let start = away(&points, degrees, 0.3, &mut random);
                 let report = run(&field, &points, &start, &RegisterOptions::default());
@@ -297,7 +319,10 @@ fn locked_tilts_are_said() {
     for degrees in [2.0, 5.0, 10.0, 20.0] {
         let points = part([0.02, 0.98], [0.02, 0.98], 2000, 1e-4, &mut random);
         let tilt = Pose::new(
-            rotation::exponential::<3>(&Vector3::new(0.3, 0.9, 0.2).normalize().scale(f64::to_radians(degrees))).0,
+            rotation::exponential::<3>(
+                &Vector3::new(0.3, 0.9, 0.2).normalize().scale(f64::to_radians(degrees)),
+            )
+            .0,
             Vector3::zeros(),
         );
         let locks = Locks::default().with_rotations([true; 3]);
@@ -310,8 +335,17 @@ fn locked_tilts_are_said() {
             assert!(report.support.exceeds_noise(), "{degrees}: {report} | {}", report.support);
             let released = report.support.unlocked_rms.unwrap() < 0.7 * report.support.relative_rms;
             assert!(released || degrees > 6.0, "{degrees}: {report} | {}", report.support);
-            let straight = run(&field, &points, &Pose::new(Matrix3::identity(), Vector3::new(0.02, 0.01, 0.03)), &options);
-            assert!(straight.is_converged() && !straight.support.exceeds_noise(), "{degrees}: {straight} | {}", straight.support);
+            let straight = run(
+                &field,
+                &points,
+                &Pose::new(Matrix3::identity(), Vector3::new(0.02, 0.01, 0.03)),
+                &options,
+            );
+            assert!(
+                straight.is_converged() && !straight.support.exceeds_noise(),
+                "{degrees}: {straight} | {}",
+                straight.support
+            );
         }
     }
 }
