@@ -4,7 +4,7 @@ use crate::error::Error;
 use crate::registering::Job;
 use crate::registration_model::RegistrationModel;
 use industrial_geometry::mesh::nalgebra::Vector3;
-use industrial_geometry::register::{Doubt, Pose, RegisterOptions, RegisterReport, Status, is_flat};
+use industrial_geometry::register::{Doubt, Pose, RegisterOptions, RegisterReport, Status, Support, is_flat};
 
 /// The result, unless cloud and model both are clouds in a plane: then nothing fixes the motions in it.
 pub(crate) fn flat(
@@ -35,7 +35,13 @@ pub(crate) fn warning(result: &RegisterReport<3>, job: &Job<'_>) -> Option<Strin
         None if result.status == Status::NoOverlap => {
             return Some(format!("no points of {points} are left that count; give a better start (--init)"));
         }
-        None if support.exceeds_noise() && support.relative_rms > 0.01 => {
+        None if held_back(support) => {
+            return Some(format!(
+                "the locked degrees of freedom keep {points} off {model} by much more than its noise ({support}): lock less, or start \
+                 nearer, if that is not what is meant"
+            ));
+        }
+        None if support.exceeds_noise() && support.relative_rms > 0.005 => {
             return Some(format!(
                 "{points} deviates from {model} by much more than its own noise ({support}): the pose is the best fit of a part \
                  that differs from its model, if it is the right part and place"
@@ -62,6 +68,12 @@ pub(crate) fn warning(result: &RegisterReport<3>, job: &Job<'_>) -> Option<Strin
         }
     };
     Some(format!("the pose is not to be trusted ({support}): {advice}"))
+}
+
+/// Whether locks alone keep the points far from the model for their noise.
+fn held_back(support: &Support) -> bool {
+    let released = support.unlocked_rms.is_some_and(|rms| rms < 0.7 * support.relative_rms);
+    support.exceeds_noise() && released
 }
 
 /// Whether it makes sense to look for poses that the model does not tell apart.

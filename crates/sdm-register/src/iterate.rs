@@ -2,19 +2,13 @@
 
 use crate::anderson::Anderson;
 use crate::constraint::{Chart, Freedom};
-use crate::correlation::Correlation;
-use crate::covariance::Residuals;
 use crate::linearise::NormalSystem;
 use crate::report::StepRecord;
 use crate::solve::{Scaled, Spectrum};
 use crate::source::Prepared;
-use crate::support::{Circumstances, Support};
 use crate::view::{Terms, View};
 use crate::weights::{Rejection, Rule, Weighting};
-use crate::{
-    Covariance, FootpointPolicy, FreeMotion, Locks, Method, Pose, RegisterOptions, Status, StepControl,
-    Velocity,
-};
+use crate::{FootpointPolicy, Method, Pose, RegisterOptions, Status, StepControl};
 use distance_field::{DistanceField, Search};
 use nalgebra::{DMatrix, DVector};
 use std::ops::ControlFlow;
@@ -79,7 +73,7 @@ const NEGLIGIBLE: f64 = 0.02;
 /// Largest growth of a step: the models of the distances know little of shapes of another size.
 const GROWTH: f64 = 0.5;
 /// Fewest directions that determine a motion.
-const fn fewest(dimension: usize) -> usize {
+pub(crate) const fn fewest(dimension: usize) -> usize {
     dimension
 }
 
@@ -92,21 +86,6 @@ struct Models<const D: usize> {
     linear: Spectrum,
     /// Matrix and spectrum of Newton's method.
     newton: Option<(DMatrix<f64>, Spectrum)>,
-}
-
-/// What the tangent planes at the end of a stage fix.
-struct Conditioning<const D: usize> {
-    system: NormalSystem<D>,
-    freedom: Freedom<D>,
-    tangent: DMatrix<f64>,
-    scaled: Scaled,
-    length: f64,
-}
-
-impl<const D: usize> Conditioning<D> {
-    fn free_fields(&self) -> Vec<Velocity<D>> {
-        self.scaled.free_steps().iter().map(|step| self.freedom.velocity(step)).collect()
-    }
 }
 
 impl<const D: usize> Problem<'_, D> {
@@ -133,74 +112,6 @@ impl<const D: usize> Problem<'_, D> {
             (matrix, spectrum)
         });
         Models { system, freedom, scaled, vector, linear, newton }
-    }
-
-    /// How well the pose at the end of a stage is determined, and the motions that are not.
-    pub(crate) fn analyse(
-        &self,
-        outcome: &Outcome<D>,
-        cloud: &Prepared<D>,
-        rms: f64,
-    ) -> (Option<Covariance<D>>, Vec<FreeMotion<D>>) {
-        let Some(end) = self.conditioning(outcome, cloud) else { return (None, Vec::new()) };
-        let origin = outcome.view.pose.target_origin;
-        let named = FreeMotion::name_all(&end.free_fields(), &origin, end.length);
-        let squares = rms * rms * end.system.weight;
-        let residuals =
-            Residuals { squares, unit: outcome.view.unit(), correlation: Correlation::of(outcome, cloud) };
-        let Conditioning { system, freedom, tangent, scaled, .. } = &end;
-        let covariance =
-            Covariance::new(system, freedom, scaled, tangent, &residuals, self.options.scale, origin);
-        (Some(covariance), named)
-    }
-
-    /// What the points that count say about the pose at the end of a stage.
-    pub(crate) fn support(
-        &self,
-        outcome: &Outcome<D>,
-        cloud: &Prepared<D>,
-        rms: f64,
-        has_free_motions: bool,
-    ) -> Support {
-        let unknowns = self.chart.freedom(&outcome.view.pose).count();
-        let unlocked = self.options.locks.any().then(|| self.left_without_locks(outcome, cloud)).flatten();
-        let model_size = self.options.scale.then(|| self.field.bounding_box().diagonal());
-        Support::of(outcome, cloud, rms, &Circumstances { unknowns, has_free_motions, unlocked, model_size })
-    }
-
-    /// Share of the squared distances that would be left after a step without locks.
-    fn left_without_locks(&self, outcome: &Outcome<D>, cloud: &Prepared<D>) -> Option<f64> {
-        let terms = Terms { term: Method::TANGENT.term(), taylor: false, symmetric: false };
-        let view = &outcome.view;
-        let system = view.system(cloud, &outcome.base, &outcome.weighting, &terms);
-        if system.squares.is_nan() || system.squares <= 0.0 || !view.pose.is_finite() {
-            return None;
-        }
-        let free = Chart::new(Locks::default(), self.options.scale, view.pose).freedom(&view.pose);
-        let (tangent, vector) = (free.reduce(&system.tangent), free.reduce_vector(&system.vector));
-        let length = cloud.diagonal * view.pose.scale * 0.5;
-        let scaled = Scaled::new(&tangent, &free.is_translation, length, self.options.null_tolerance);
-        let step = scaled.step(&scaled.spectrum(&tangent, &vector), 0.0);
-        Some((1.0 + vector.dot(&step) / system.squares).clamp(0.0, 1.0))
-    }
-
-    /// The velocity fields of the motions that are not determined at the end of a stage.
-    pub(crate) fn free_fields(&self, outcome: &Outcome<D>, cloud: &Prepared<D>) -> Vec<Velocity<D>> {
-        self.conditioning(outcome, cloud).map_or_else(Vec::new, |end| end.free_fields())
-    }
-
-    fn conditioning(&self, outcome: &Outcome<D>, cloud: &Prepared<D>) -> Option<Conditioning<D>> {
-        let terms = Terms { term: Method::TANGENT.term(), taylor: false, symmetric: false };
-        let view = &outcome.view;
-        let system = view.system(cloud, &outcome.base, &outcome.weighting, &terms);
-        if system.count < fewest(D) || !view.pose.is_finite() {
-            return None;
-        }
-        let freedom = self.chart.freedom(&view.pose);
-        let tangent = freedom.reduce(&system.tangent);
-        let length = cloud.diagonal * view.pose.scale * 0.5;
-        let scaled = Scaled::new(&tangent, &freedom.is_translation, length, self.options.null_tolerance);
-        Some(Conditioning { system, freedom, tangent, scaled, length })
     }
 
     /// Runs one stage from a view of its cloud.

@@ -35,6 +35,7 @@ mod correlation;
 mod covariance;
 mod datum;
 mod eigen;
+mod ending;
 mod error;
 mod evidence;
 mod flat;

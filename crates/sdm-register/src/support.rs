@@ -27,7 +27,7 @@ const ALL: f64 = 0.97;
 /// Root mean square distances, as shares of the size of the points that count: what is looked at more closely, and what is too much
 /// where locks cause it.
 const NOTED: f64 = 0.001;
-const HELD: f64 = 0.002;
+const HELD: f64 = 0.008;
 /// The same for what is too much where normals disagree as well, and what is too much in any case: where all points count, where
 /// some were left out for their distance, and where most were. What is left is to be closer then, since it was chosen to be close.
 const LARGE: [f64; 3] = [0.012, 0.006, 0.006];

@@ -67,7 +67,6 @@ fn points_that_have_nothing_to_do_with_the_model_are_no_result() {
         "patch.json sphere.xyz",
         "patch.json large.xyz",
         "plane.json large.xyz",
-        "plane.json large.xyz --start given",
         "patch.json random.xyz --scale",
         "plane.json large.xyz --scale",
         "patch.json random.xyz --outliers none",
@@ -142,6 +141,9 @@ fn a_tilt_that_is_locked_is_said() {
     assert_eq!((code, &results["status"]), (1, &"doubtful".into()), "{said}");
     assert_eq!(results["support"]["doubt"], "locks");
     assert!(said.contains("lock less"), "{said}");
+    bench.put("scan.xyz", lines(on.iter().map(|x| turned(*x, 4.0, 1.0, [0.0, 0.0, 0.1]))));
+    let (code, _, said) = registered(&bench, "patch.json scan.xyz --lock rx,ry,rz");
+    assert!(code == 0 && said.contains("by much more than its noise"), "{code} {said}");
     // A shift alone can be made.
     bench.put("scan.xyz", lines(on.iter().map(|x| turned(*x, 0.0, 1.0, [0.02, -0.01, 0.1]))));
     let (code, _, said) = registered(&bench, "patch.json scan.xyz --lock rx,ry,rz");
