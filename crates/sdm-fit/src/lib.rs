@@ -24,6 +24,7 @@
 
 mod assemble;
 mod constraint;
+mod coverage;
 pub mod curve;
 mod error;
 mod fairing;
@@ -46,6 +47,7 @@ mod target;
 mod weights;
 
 pub use constraint::{Constraints, LinearCondition};
+pub use coverage::{Bare, Coverage};
 pub use curve::ActiveCurve;
 pub use error::Error;
 pub use iterate::{Progress, fit, fit_with_progress, no_progress};

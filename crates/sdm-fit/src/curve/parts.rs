@@ -1,0 +1,258 @@
+//! Nodes put in order: one or more chains, each open or closed.
+
+use super::path::Path;
+use super::tour::{neighbours, short_tour};
+use super::tree::{Groups, shortest_forest};
+use crate::coverage::gap_limit;
+use distance_field::quantile_in_place;
+use nalgebra::SVector;
+
+/// Difference of the quartiles of exponentially distributed gaps in units of their mean; what isolates a point, in units of that beyond the
+/// upper quartile besides the logarithm of the number of points; and at least, in units of what nine tenths of the gaps do not exceed.
+const QUARTILES: f64 = 1.0986;
+const BEYOND: f64 = 5.0;
+const ISOLATED: f64 = 2.5;
+/// Points that a part has at least, as a share of all and in number, and the share that isolated points and smaller parts may have.
+const PART: f64 = 0.03;
+const FEWEST: usize = 3;
+const STRAY: f64 = 0.1;
+/// Gap between the ends of a path, in units of its longest step, up to which it is closed.
+const RING: f64 = 1.5;
+/// Cosine of a turn that is a spike if what it leads to is far away.
+const SPIKE: f64 = -0.5;
+/// Most places where a tour is cut: what falls into more pieces is no curve.
+const MOST: usize = 64;
+/// Nodes so few that no path says whether they lie on a curve.
+const FEW: usize = 24;
+
+/// What was made of nodes.
+#[derive(Clone, Debug)]
+pub(super) struct Parts<const D: usize> {
+    /// The chains, in the order of their first nodes.
+    pub(super) paths: Vec<Path<D>>,
+    /// Median of the angles by which they turn at a node.
+    pub(super) turn: f64,
+}
+
+/// What is asked for.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Asked {
+    /// Whether there is one closed chain, one open one, or what the nodes show.
+    pub(super) closed: Option<bool>,
+    /// Length without points that is no gap.
+    pub(super) gap: Option<f64>,
+}
+
+/// Chains through nodes of which no two are equal, by their distances; `raw` are the points that nodes stand for, if they are not the points
+/// themselves. `None` if most nodes belong to no chain.
+pub(super) fn chains<const D: usize>(
+    nodes: &[SVector<f64, D>],
+    raw: Option<&[SVector<f64, D>]>,
+    asked: Asked,
+) -> Option<Parts<D>> {
+    let nodes = connected(nodes)?;
+    let near = neighbours(&nodes)?;
+    let forest = shortest_forest(&nodes, &near);
+    let mean = forest.iter().map(|e| e.2).sum::<f64>() / forest.len().max(1) as f64;
+    // As far apart as random points are.
+    let cap = asked.gap.unwrap_or(0.0).max(mean * (1.0 + (nodes.len() as f64).ln()));
+    let tour: Vec<SVector<f64, D>> =
+        short_tour(&nodes, &near, cap).into_iter().map(|i| nodes[i]).collect();
+    let tour = without_spikes(tour, cap, true);
+    let steps: Vec<f64> = (0..tour.len()).map(|k| (tour[(k + 1) % tour.len()] - tour[k]).norm()).collect();
+    let gaps = match raw {
+        Some(raw) => gaps_of(raw, &tour, &steps, cap),
+        None => steps.clone(),
+    };
+    Some(cut(tour, &gaps, asked, false))
+}
+
+/// Chains through nodes in their order.
+pub(super) fn in_order<const D: usize>(nodes: Vec<SVector<f64, D>>, asked: Asked) -> Parts<D> {
+    let steps: Vec<f64> = nodes.windows(2).map(|p| (p[1] - p[0]).norm()).collect();
+    let nodes = without_spikes(nodes, asked.gap.unwrap_or(0.0).max(gap_limit(&steps)), false);
+    let gaps: Vec<f64> =
+        (0..nodes.len()).map(|k| (nodes[(k + 1) % nodes.len()] - nodes[k]).norm()).collect();
+    cut(nodes, &gaps, asked, true)
+}
+
+/// The nodes but for isolated ones, if these are few.
+fn connected<const D: usize>(nodes: &[SVector<f64, D>]) -> Option<Vec<SVector<f64, D>>> {
+    let near = neighbours(nodes)?;
+    let forest = shortest_forest(nodes, &near);
+    let mut lengths: Vec<f64> = forest.iter().map(|e| e.2).collect();
+    let [q25, q75, q90] = [0.25, 0.75, 0.9].map(|share| quantile_in_place(&mut lengths, share));
+    let scale = (q75 - q25) / QUARTILES;
+    let limit = (ISOLATED * q90).max(q75 + scale * ((nodes.len() as f64).ln() + BEYOND));
+    let mut groups = Groups::new(nodes.len());
+    for &(i, j, _) in forest.iter().filter(|e| e.2 <= limit) {
+        groups.connect(i, j);
+    }
+    let mut sizes = vec![0; nodes.len()];
+    (0..nodes.len()).for_each(|i| sizes[groups.first(i)] += 1);
+    let fewest = least(nodes.len());
+    let kept: Vec<SVector<f64, D>> =
+        (0..nodes.len()).filter(|&i| sizes[groups.first(i)] >= fewest).map(|i| nodes[i]).collect();
+    let dropped = nodes.len() - kept.len();
+    // Where many are isolated it is not them that are strange.
+    let kept = if dropped as f64 <= STRAY * nodes.len() as f64 { kept } else { nodes.to_vec() };
+    (kept.len() >= 4).then_some(kept)
+}
+
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of a number")]
+fn least(count: usize) -> usize {
+    FEWEST.max((PART * count as f64) as usize)
+}
+
+/// The nodes but for those to which a chain goes far and back.
+fn without_spikes<const D: usize>(
+    nodes: Vec<SVector<f64, D>>,
+    far: f64,
+    closed: bool,
+) -> Vec<SVector<f64, D>> {
+    let n = nodes.len();
+    let is_spike = |k: usize| {
+        if !closed && (k == 0 || k + 1 == n) {
+            return false;
+        }
+        let (a, b) = (nodes[k] - nodes[(k + n - 1) % n], nodes[(k + 1) % n] - nodes[k]);
+        let (first, second) = (a.norm(), b.norm());
+        first.min(second) > 0.5 * far && a.dot(&b) < SPIKE * first * second
+    };
+    let kept: Vec<SVector<f64, D>> = (0..n).filter(|&k| !is_spike(k)).map(|k| nodes[k]).collect();
+    if n - kept.len() <= n / 10 { kept } else { nodes }
+}
+
+/// For each step of a closed tour the longest stretch of it on which no point lies; points count for the nearest step that is no
+/// longer than `cap`.
+fn gaps_of<const D: usize>(
+    raw: &[SVector<f64, D>],
+    tour: &[SVector<f64, D>],
+    steps: &[f64],
+    cap: f64,
+) -> Vec<f64> {
+    let n = tour.len();
+    let places = crate::parallel::map(raw.len(), |i| {
+        let mut best = (f64::INFINITY, 0, 0.0);
+        for k in (0..n).filter(|&k| steps[k] <= cap) {
+            let (along, away) = (tour[(k + 1) % n] - tour[k], raw[i] - tour[k]);
+            let share = (along.dot(&away) / along.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+            let distance = (away - along * share).norm_squared();
+            if distance < best.0 {
+                best = (distance, k, share);
+            }
+        }
+        (best.1, best.2)
+    });
+    let mut starts = vec![0.0; n + 1];
+    for k in 0..n {
+        starts[k + 1] = starts[k] + steps[k];
+    }
+    let mut at: Vec<f64> = places.iter().map(|&(k, share)| starts[k] + share * steps[k]).collect();
+    at.sort_by(f64::total_cmp);
+    let mut gaps = vec![0.0; n];
+    let Some(&last) = at.last() else { return steps.to_vec() };
+    let mut before = last - starts[n];
+    for here in at {
+        let length = here - before;
+        // To the step in its middle, or, where a long step is part of it, to that one.
+        let middle = (before + 0.5 * length).rem_euclid(starts[n]);
+        let mut step = starts[1..].partition_point(|s| *s <= middle).min(n - 1);
+        for other in [(step + n - 1) % n, (step + 1) % n] {
+            if steps[other] > cap && steps[step] <= cap && length > steps[other] {
+                step = other;
+            }
+        }
+        gaps[step] = f64::max(gaps[step], length);
+        before = here;
+    }
+    gaps
+}
+
+/// A closed tour cut where its gaps are wider than neighbours may be apart; what is near to each other at the ends is joined again.
+fn cut<const D: usize>(nodes: Vec<SVector<f64, D>>, gaps: &[f64], asked: Asked, ordered: bool) -> Parts<D> {
+    let n = nodes.len();
+    let widest = (0..n).max_by(|&a, &b| gaps[a].total_cmp(&gaps[b]).then(b.cmp(&a))).unwrap_or(0);
+    let others = (0..n).filter(|&k| k != widest).map(|k| gaps[k]);
+    let second = others.fold(0.0, f64::max);
+    let by_gaps = asked.gap.unwrap_or_else(|| gap_limit(gaps));
+    // Where it is asked for, it is one chain.
+    let limit = if asked.closed.is_some() { f64::INFINITY } else { by_gaps };
+    let cuts: Vec<usize> = (0..n).filter(|&k| gaps[k] > limit).collect();
+    if cuts.len() > MOST {
+        return Parts { paths: Vec::new(), turn: std::f64::consts::PI };
+    }
+    // In the order of the points the way back is no step.
+    let ends = if ordered { n - 1 } else { widest };
+    let around = gaps[ends];
+    let ring = by_gaps.max(if ends == widest { RING * second } else { 0.0 });
+    if cuts.len() <= 1 && cuts.first().is_none_or(|&c| c == ends) {
+        let mut nodes = nodes;
+        if !(asked.closed == Some(true) && !ordered) {
+            nodes.rotate_left((ends + 1) % n);
+        }
+        if around == 0.0 && nodes.len() > 3 {
+            // The first point is repeated at the end.
+            nodes.pop();
+        }
+        let turn = median_turn(std::slice::from_ref(&nodes));
+        let path = Path { nodes, gap: around, gap_limit: ring, ordered };
+        return Parts { paths: vec![path], turn };
+    }
+    let mut pieces: Vec<Vec<SVector<f64, D>>> = Vec::new();
+    for (k, &c) in cuts.iter().enumerate() {
+        let end = cuts[(k + 1) % cuts.len()];
+        let count = (end + n - c - 1) % n + 1;
+        pieces.push((1..=count).map(|i| nodes[(c + i) % n]).collect());
+    }
+    join(&mut pieces, limit);
+    let fewest = least(n);
+    pieces.retain(|piece| piece.len() >= fewest.max(4));
+    let turn = median_turn(&pieces);
+    let path = |nodes: Vec<SVector<f64, D>>| {
+        let gap = nodes.first().zip(nodes.last()).map_or(0.0, |(a, b)| (b - a).norm());
+        Path { nodes, gap, gap_limit: limit, ordered }
+    };
+    Parts { paths: pieces.into_iter().map(path).collect(), turn }
+}
+
+/// Joins pieces whose ends are as near to each other as neighbours, the nearest first, unless a piece is closed itself.
+fn join<const D: usize>(pieces: &mut Vec<Vec<SVector<f64, D>>>, limit: f64) {
+    let span = |piece: &[SVector<f64, D>]| (piece[0] - piece[piece.len() - 1]).norm();
+    loop {
+        let mut best: Option<(f64, usize, usize, bool, bool)> = None;
+        for i in 0..pieces.len() {
+            for j in i + 1..pieces.len() {
+                let closed = |k: usize| pieces[k].len() > 3 && span(&pieces[k]) <= limit;
+                if closed(i) || closed(j) {
+                    continue;
+                }
+                for (first, second) in [(false, false), (false, true), (true, false), (true, true)] {
+                    let end = |k: usize, start: bool| pieces[k][if start { 0 } else { pieces[k].len() - 1 }];
+                    let distance = (end(i, first) - end(j, second)).norm();
+                    if distance <= limit && best.is_none_or(|b| distance < b.0) {
+                        best = Some((distance, i, j, first, second));
+                    }
+                }
+            }
+        }
+        let Some((_, i, j, first, second)) = best else { return };
+        let mut other = pieces.remove(j);
+        if first {
+            pieces[i].reverse();
+        }
+        if !second {
+            other.reverse();
+        }
+        pieces[i].append(&mut other);
+    }
+}
+
+/// Median of the angles between consecutive edges.
+fn median_turn<const D: usize>(chains: &[Vec<SVector<f64, D>>]) -> f64 {
+    let mut turns: Vec<f64> = Vec::new();
+    for nodes in chains {
+        turns.extend(nodes.windows(3).map(|p| (p[1] - p[0]).angle(&(p[2] - p[1]))));
+    }
+    if turns.len() < FEW { 0.0 } else { quantile_in_place(&mut turns, 0.5) }
+}
