@@ -19,6 +19,8 @@ const NOISES: f64 = 5.0;
 const SLACK: f64 = 4.0;
 /// Length of the curve between neighbours over their distance from which on it is a detour.
 const DETOUR: f64 = 1.5;
+/// The same for the way to a single point that may be an outlier and on.
+const LONE: f64 = 3.5;
 /// Standard deviation of the points as a share of the length of the curve from which on they are no curve.
 const THICK: f64 = 0.03;
 /// Neighbourhood in units of the root mean square distance, how far along the curve those in it may be, and the share of pairs further apart from
@@ -38,6 +40,8 @@ pub(crate) struct Limits {
     pub(crate) distance: f64,
     /// Length without points that is allowed; by the points if none is given.
     pub(crate) gap: Option<f64>,
+    /// Whether a single point may be an outlier, so that it supports no excursion of the curve.
+    pub(crate) outliers: bool,
 }
 
 /// The curve by chords.
@@ -149,8 +153,21 @@ pub(crate) fn of_curve<const D: usize>(
             place: chords.at(middle).1.iter().copied().collect(),
         });
     }
+    if limits.outliers {
+        for three in near.windows(3) {
+            let (length, chord) = (three[2].at - three[0].at, (three[2].foot - three[0].foot).norm());
+            if length > LONE * chord && length - chord > 2.0 * hook {
+                found.bare.push(Bare {
+                    from: vec![chords.at(three[0].at).0],
+                    to: vec![chords.at(three[2].at).0],
+                    size: length,
+                    place: three[1].foot.iter().copied().collect(),
+                });
+            }
+        }
+    }
     found.bare.sort_by(|a, b| b.size.total_cmp(&a.size));
-    found.without_data = found.bare.iter().map(|b| b.size).sum();
+    found.without_data = found.bare.iter().map(|b| b.size).fold(0.0, |sum, size| sum + size);
     found.share_without_data = found.without_data / total;
     found.size_ratio = if polygon > 0.0 { total / polygon } else { 0.0 };
     measure(&chords, points, &mut found);

@@ -69,7 +69,7 @@ impl Coverage {
     /// Several shapes together: sums, the largest spacing, noise and limits, and the places of the shape on which they are.
     pub(crate) fn together(all: &[&Self]) -> Self {
         let size: f64 = all.iter().map(|c| c.size).sum();
-        let without_data = all.iter().map(|c| c.without_data).sum::<f64>();
+        let without_data = all.iter().map(|c| c.without_data).fold(0.0, |sum, part| sum + part);
         let largest = |f: fn(&Self) -> f64| all.iter().map(|c| f(c)).fold(0.0, f64::max);
         let furthest = all.iter().max_by(|a, b| a.max.total_cmp(&b.max));
         let share = |part: f64| if size > 0.0 { part / size } else { 0.0 };

@@ -19,6 +19,8 @@ use nalgebra::{Point, SVector};
 const TOGETHER: [f64; 2] = [3.0, 4.0];
 /// Number and share of the points from which on they are.
 const MISSED: (usize, f64) = (8, 0.02);
+/// Share of the distance that is explained up to which a point is no outlier.
+const NEAR: f64 = 0.4;
 /// Share of the points that may be left out.
 const LEFT_OUT: f64 = 0.3;
 
@@ -66,7 +68,9 @@ impl<const D: usize> Work<'_, D> {
             let (parameter, foot) = (foot.parameter, foot.point + centre);
             feet[index] = PointFoot { parameter, foot, distance: length(&(points[index] - foot)) };
         }
-        let counts = counted(&found, robust, self.size);
+        // Where outliers are left out, those that are within what spacing or noise explain in any case count.
+        let usual = if robust == Robust::None { 0.0 } else { self.coverage(&state).distance_limit * NEAR };
+        let counts = counted(&found, robust, usual.max(super::work::EXACT * self.size));
         let members: Vec<usize> = (0..local.len()).filter(|&k| counts[k]).collect();
         let some = |k: &usize| local[*k];
         let used: Vec<SVector<f64, D>> = members.iter().map(some).collect();
@@ -120,13 +124,12 @@ impl<const D: usize> Work<'_, D> {
     }
 }
 
-/// Which points count: all, or those that have a weight.
-fn counted<const D: usize>(feet: &[CurveFootpoint<D>], robust: Robust, size: f64) -> Vec<bool> {
+/// Which points count: all, or those that have a weight, or are near.
+fn counted<const D: usize>(feet: &[CurveFootpoint<D>], robust: Robust, near: f64) -> Vec<bool> {
     let mut weights = vec![1.0; feet.len()];
     weigh(&mut weights, &|i| feet[i].distance, robust);
-    // Where nearly all points are exact, rounding is no reason to leave some out.
-    let rounding = super::work::EXACT * size;
-    weights.iter().zip(feet).map(|(w, foot)| *w > 0.0 || foot.distance <= rounding).collect()
+    // Where nearly all points are exact, small distances are no reason to leave some out.
+    weights.iter().zip(feet).map(|(w, foot)| *w > 0.0 || foot.distance <= near).collect()
 }
 
 /// Number of points that are left out and lie together, or that are too many to be outliers.

@@ -96,14 +96,16 @@ fn fitted<const D: usize>(
         let inliers = if options.fit.robust == Robust::None { None } else { Some(layout.inliers(&local)) };
         let mut work = Work::new(inliers.as_ref().unwrap_or(&local), options, progress);
         let most = distinct.min(options.max_controls).max(options.degree + 1);
+        work.sorted_out = inliers.is_some();
         work.expected = layout.crossings(options.degree, most, work.points)?;
         let state = work.after_layout(&layout, distinct)?;
         let state = work.with_points(state, &layout, most)?;
+        let state = work.weighed(state)?;
         let mut state = work.polished(state)?;
         if options.rational {
             state = rational::with_weights(&mut work, state, Some(&layout))?;
         }
-        let state = work.trimmed(state)?;
+        let state = work.settled(work.trimmed(state)?);
         let origin = Origin { closed: layout.closed, closure: layout.closure, start: layout.kind };
         return work.conclude(state, &cloud, origin);
     };
@@ -117,6 +119,7 @@ fn fitted<const D: usize>(
     if options.rational {
         state = rational::with_weights(&mut work, state, None)?;
     }
+    let state = work.settled(state);
     let kind = if options.search { CurveStart::Contour } else { CurveStart::Given };
     work.conclude(state, &cloud, Origin { closed, closure: Closure::Start, start: kind })
 }

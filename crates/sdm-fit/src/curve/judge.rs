@@ -5,7 +5,7 @@ use super::options::CurveOptions;
 use super::start::Layout;
 use super::work::{State, Work};
 use crate::coverage::{Limits, of_curve};
-use crate::options::Smoothing;
+use crate::options::{Robust, Smoothing};
 use crate::shape::ActiveShape;
 use crate::{ActiveCurve, Coverage, Error, Status};
 use footpoint::{CurveFootpoint, CurveProjector};
@@ -18,6 +18,12 @@ const COARSE: f64 = 0.01;
 const FOLLOWED_FROM: f64 = 3.0;
 /// Share of the distance that is explained by spacing and noise to which a curve is fitted that is not within it.
 const GOAL: f64 = 0.7;
+/// Share of the points that keep a weight where few are outliers.
+const ENOUGH: f64 = 0.8;
+/// Iterations at the end of a run by which is seen what it still gains, how much of the spacing that may be, and by which share distances may grow.
+const LATELY: usize = 20;
+const RESOLVED: f64 = 0.02;
+const CREEP: f64 = 0.02;
 /// Chords by which the length of an end is measured.
 const CHORDS: usize = 64;
 /// Factor of the energy below which it is none.
@@ -35,7 +41,7 @@ pub(super) fn limits<const D: usize>(
         (low, high) = (low.inf(p), high.sup(p));
     }
     let coarse = if options.controls.is_some() || given { COARSE * (high - low).norm() } else { 0.0 };
-    Limits { distance: options.abs_tolerance.unwrap_or(coarse), gap: options.max_gap }
+    Limits { distance: options.abs_tolerance.unwrap_or(coarse), gap: options.max_gap, outliers: options.fit.robust != Robust::None }
 }
 
 impl<const D: usize> Work<'_, D> {
@@ -152,6 +158,43 @@ impl<const D: usize> Work<'_, D> {
             return self.towards(state, coverage.distance_limit).map(Some);
         }
         Ok(Some(state))
+    }
+
+    /// The fit of points without those off the path, once more with weights by distance, now that there is a curve that tells which ones
+    /// are far.
+    pub(super) fn weighed(&mut self, state: State<D>) -> Result<State<D>, Error> {
+        if !self.sorted_out || self.cancelled {
+            return Ok(state);
+        }
+        self.sorted_out = false;
+        let fit = self.loop_options().with_smoothing(Smoothing::Fixed { lambda: state.report.lambda });
+        self.sorted_out = true;
+        let next = self.run(state.curve.clone(), &fit, "weigh")?;
+        let enough = next.report.used as f64 >= ENOUGH * self.points.len() as f64;
+        let good = next.report.status.is_converged() || !state.report.status.is_converged();
+        if enough && good && self.rank(&next) <= self.rank(&state) {
+            self.keep(&next);
+            return Ok(next);
+        }
+        Ok(state)
+    }
+
+    /// A run that came to its last iteration when what it still gained was less than the data resolve has converged.
+    pub(super) fn settled(&self, mut state: State<D>) -> State<D> {
+        let history = &state.report.history;
+        let (Some(last), Some(earlier)) =
+            (history.last(), history.len().checked_sub(LATELY).and_then(|k| history.get(k)))
+        else {
+            return state;
+        };
+        if state.report.status == Status::MaxIterations {
+            let spacing = self.coverage(&state).spacing;
+            let gained = (earlier.rms - last.rms).abs();
+            if gained <= RESOLVED * spacing && last.rms <= earlier.rms * (1.0 + CREEP) {
+                state.report.status = Status::Converged;
+            }
+        }
+        state
     }
 
     /// An open curve without what goes on at its ends beyond the first and the last point by more than these are apart.

@@ -18,10 +18,20 @@ const FEWEST: usize = 3;
 const STRAY: f64 = 0.1;
 /// Gap between the ends of a path, in units of its longest step, up to which it is closed.
 const RING: f64 = 1.5;
-/// Cosine of a turn that is a spike if what it leads to is far away.
-const SPIKE: f64 = -0.5;
+/// Cosine of a turn that is a spike if what it leads to is far away, in units of most steps.
+const SPIKE: f64 = -0.3;
+const FAR: f64 = 1.5;
 /// Most places where a tour is cut: what falls into more pieces is no curve.
 const MOST: usize = 64;
+/// Steps of a path that branches take to cross each other.
+const ACROSS: f64 = 2.0;
+/// Nodes that tell whether chains run beside each other; places along a chain that are next to each other; distance of what is beside a node, in
+/// steps; share of such nodes; and how far off the line between the next ones they are, as a share of that distance.
+const SEEN: usize = 40;
+const NEXT: usize = 6;
+const BESIDE: f64 = 1.5;
+const MANY: f64 = 0.12;
+const ROUGH: f64 = 0.15;
 /// Nodes so few that no path says whether they lie on a curve.
 const FEW: usize = 24;
 
@@ -32,6 +42,8 @@ pub(super) struct Parts<const D: usize> {
     pub(super) paths: Vec<Path<D>>,
     /// Median of the angles by which they turn at a node.
     pub(super) turn: f64,
+    /// Whether they run to and fro beside each other, as they do through points that lie about a curve.
+    pub(super) lanes: bool,
 }
 
 /// What is asked for.
@@ -58,22 +70,21 @@ pub(super) fn chains<const D: usize>(
     let cap = asked.gap.unwrap_or(0.0).max(mean * (1.0 + (nodes.len() as f64).ln()));
     let tour: Vec<SVector<f64, D>> =
         short_tour(&nodes, &near, cap).into_iter().map(|i| nodes[i]).collect();
-    let tour = without_spikes(tour, cap, true);
+    let tour = without_spikes(tour, true);
     let steps: Vec<f64> = (0..tour.len()).map(|k| (tour[(k + 1) % tour.len()] - tour[k]).norm()).collect();
-    let gaps = match raw {
-        Some(raw) => gaps_of(raw, &tour, &steps, cap),
-        None => steps.clone(),
-    };
-    Some(cut(tour, &gaps, asked, false))
+    let Some(raw) = raw else { return Some(cut(tour, &steps, 0.0, asked, false)) };
+    let gaps = gaps_of(raw, &tour, &steps, cap);
+    // Where branches meet, points count for one of them, and the other has none on the way across.
+    let slack = ACROSS * quantile_in_place(&mut steps.clone(), 0.5);
+    Some(cut(tour, &gaps, slack, asked, false))
 }
 
 /// Chains through nodes in their order.
 pub(super) fn in_order<const D: usize>(nodes: Vec<SVector<f64, D>>, asked: Asked) -> Parts<D> {
-    let steps: Vec<f64> = nodes.windows(2).map(|p| (p[1] - p[0]).norm()).collect();
-    let nodes = without_spikes(nodes, asked.gap.unwrap_or(0.0).max(gap_limit(&steps)), false);
+    let nodes = without_spikes(nodes, false);
     let gaps: Vec<f64> =
         (0..nodes.len()).map(|k| (nodes[(k + 1) % nodes.len()] - nodes[k]).norm()).collect();
-    cut(nodes, &gaps, asked, true)
+    cut(nodes, &gaps, 0.0, asked, true)
 }
 
 /// The nodes but for isolated ones, if these are few.
@@ -104,20 +115,18 @@ fn least(count: usize) -> usize {
     FEWEST.max((PART * count as f64) as usize)
 }
 
-/// The nodes but for those to which a chain goes far and back.
-fn without_spikes<const D: usize>(
-    nodes: Vec<SVector<f64, D>>,
-    far: f64,
-    closed: bool,
-) -> Vec<SVector<f64, D>> {
+/// The nodes but for those to which a chain goes far and back: further than most of its steps.
+fn without_spikes<const D: usize>(nodes: Vec<SVector<f64, D>>, closed: bool) -> Vec<SVector<f64, D>> {
     let n = nodes.len();
+    let mut steps: Vec<f64> = nodes.windows(2).map(|p| (p[1] - p[0]).norm()).collect();
+    let far = FAR * quantile_in_place(&mut steps, 0.5);
     let is_spike = |k: usize| {
         if !closed && (k == 0 || k + 1 == n) {
             return false;
         }
         let (a, b) = (nodes[k] - nodes[(k + n - 1) % n], nodes[(k + 1) % n] - nodes[k]);
         let (first, second) = (a.norm(), b.norm());
-        first.min(second) > 0.5 * far && a.dot(&b) < SPIKE * first * second
+        first.min(second) > far && a.dot(&b) < SPIKE * first * second
     };
     let kept: Vec<SVector<f64, D>> = (0..n).filter(|&k| !is_spike(k)).map(|k| nodes[k]).collect();
     if n - kept.len() <= n / 10 { kept } else { nodes }
@@ -170,17 +179,23 @@ fn gaps_of<const D: usize>(
 }
 
 /// A closed tour cut where its gaps are wider than neighbours may be apart; what is near to each other at the ends is joined again.
-fn cut<const D: usize>(nodes: Vec<SVector<f64, D>>, gaps: &[f64], asked: Asked, ordered: bool) -> Parts<D> {
+fn cut<const D: usize>(
+    nodes: Vec<SVector<f64, D>>,
+    gaps: &[f64],
+    slack: f64,
+    asked: Asked,
+    ordered: bool,
+) -> Parts<D> {
     let n = nodes.len();
     let widest = (0..n).max_by(|&a, &b| gaps[a].total_cmp(&gaps[b]).then(b.cmp(&a))).unwrap_or(0);
     let others = (0..n).filter(|&k| k != widest).map(|k| gaps[k]);
     let second = others.fold(0.0, f64::max);
-    let by_gaps = asked.gap.unwrap_or_else(|| gap_limit(gaps));
+    let by_gaps = asked.gap.unwrap_or_else(|| gap_limit(gaps) + slack);
     // Where it is asked for, it is one chain.
     let limit = if asked.closed.is_some() { f64::INFINITY } else { by_gaps };
     let cuts: Vec<usize> = (0..n).filter(|&k| gaps[k] > limit).collect();
     if cuts.len() > MOST {
-        return Parts { paths: Vec::new(), turn: std::f64::consts::PI };
+        return Parts { paths: Vec::new(), turn: std::f64::consts::PI, lanes: true };
     }
     // In the order of the points the way back is no step.
     let ends = if ordered { n - 1 } else { widest };
@@ -195,9 +210,9 @@ fn cut<const D: usize>(nodes: Vec<SVector<f64, D>>, gaps: &[f64], asked: Asked, 
             // The first point is repeated at the end.
             nodes.pop();
         }
-        let turn = median_turn(std::slice::from_ref(&nodes));
+        let (turn, lanes) = (median_turn(std::slice::from_ref(&nodes)), lanes(std::slice::from_ref(&nodes)));
         let path = Path { nodes, gap: around, gap_limit: ring, ordered };
-        return Parts { paths: vec![path], turn };
+        return Parts { paths: vec![path], turn, lanes };
     }
     let mut pieces: Vec<Vec<SVector<f64, D>>> = Vec::new();
     for (k, &c) in cuts.iter().enumerate() {
@@ -208,12 +223,12 @@ fn cut<const D: usize>(nodes: Vec<SVector<f64, D>>, gaps: &[f64], asked: Asked, 
     join(&mut pieces, limit);
     let fewest = least(n);
     pieces.retain(|piece| piece.len() >= fewest.max(4));
-    let turn = median_turn(&pieces);
+    let (turn, lanes) = (median_turn(&pieces), lanes(&pieces));
     let path = |nodes: Vec<SVector<f64, D>>| {
         let gap = nodes.first().zip(nodes.last()).map_or(0.0, |(a, b)| (b - a).norm());
         Path { nodes, gap, gap_limit: limit, ordered }
     };
-    Parts { paths: pieces.into_iter().map(path).collect(), turn }
+    Parts { paths: pieces.into_iter().map(path).collect(), turn, lanes }
 }
 
 /// Joins pieces whose ends are as near to each other as neighbours, the nearest first, unless a piece is closed itself.
@@ -255,4 +270,39 @@ fn median_turn<const D: usize>(chains: &[Vec<SVector<f64, D>>]) -> f64 {
         turns.extend(nodes.windows(3).map(|p| (p[1] - p[0]).angle(&(p[2] - p[1]))));
     }
     if turns.len() < FEW { 0.0 } else { quantile_in_place(&mut turns, 0.5) }
+}
+
+/// Whether many nodes are as near to a distant part of the chains as to the next ones, and off the line between these by as much as they are from that
+/// part: then it is the same curve.
+fn lanes<const D: usize>(chains: &[Vec<SVector<f64, D>>]) -> bool {
+    let all: Vec<SVector<f64, D>> = chains.iter().flatten().copied().collect();
+    if all.len() < SEEN {
+        return false;
+    }
+    let Some(near) = neighbours(&all) else { return false };
+    let mut shares = Vec::new();
+    let mut first = 0;
+    for nodes in chains {
+        let n = nodes.len();
+        for k in 1..n.saturating_sub(1) {
+            let (before, behind) = (nodes[k] - nodes[k - 1], nodes[k + 1] - nodes[k]);
+            let step = before.norm().max(behind.norm());
+            let apart = |j: usize| {
+                let place = j.wrapping_sub(first);
+                let apart = place.abs_diff(k);
+                place >= n || apart.min(n - apart) > NEXT
+            };
+            let i = first + k;
+            let Some(other) = near[i].iter().copied().find(|&j| apart(j)) else { continue };
+            let distance = (all[other] - all[i]).norm();
+            if distance <= BESIDE * step {
+                let chord = nodes[k + 1] - nodes[k - 1];
+                let along = before.dot(&chord) / chord.norm_squared().max(f64::MIN_POSITIVE);
+                shares.push((before - chord * along).norm() / distance.max(f64::MIN_POSITIVE));
+            }
+        }
+        first += n;
+    }
+    let many = shares.len() as f64 > MANY * all.len() as f64;
+    many && quantile_in_place(&mut shares, 0.5) > ROUGH
 }

@@ -22,7 +22,7 @@ const SCATTERED: usize = 500;
 /// Fewest points of a path.
 const LEAST: usize = 4;
 /// Median angle between the edges of a path through points and through drawn nodes, at most, in radians.
-const TURNS: [f64; 2] = [0.8, 0.6];
+const TURNS: [f64; 2] = [0.5, 0.6];
 /// A polygon is smooth where twice the window shortens it by less than this factor.
 const ZIGZAG: f64 = 1.1;
 /// Parts into which points in their order may fall.
@@ -33,6 +33,10 @@ const ROUND: f64 = 0.45;
 /// Directions tried where branches cross, and width of the band about them as a share of the neighbourhood.
 const DIRECTIONS: usize = 24;
 const BAND: f64 = 0.2;
+/// Neighbours in whose reach a point must have others in line with it, fewest points for that, and share of those that may have none.
+const SUPPORT: usize = 8;
+const FEW: usize = 60;
+const OFF: f64 = 0.12;
 /// Points that a node stands for at least, as a share of the median.
 const SPARSE: f64 = 0.25;
 
@@ -148,6 +152,9 @@ pub(super) fn through<const D: usize>(points: &[SVector<f64, D>], asked: Asked) 
     if sample.len() < LEAST {
         return None;
     }
+    let mut sample = supported(sample);
+    sample.dedup();
+    let sample = sample;
     if let Some(found) = chains(&sample, None, asked)
         && is_good(&found, TURNS[0])
         && strays(&found.paths, &sample, None) <= STRAY
@@ -180,8 +187,37 @@ pub(super) fn through<const D: usize>(points: &[SVector<f64, D>], asked: Asked) 
     None
 }
 
+/// The points but for those through which there is no line along which as many neighbours lie as for others, if these are few.
+fn supported<const D: usize>(sample: Vec<SVector<f64, D>>) -> Vec<SVector<f64, D>> {
+    let places: Vec<Point<f64, D>> = sample.iter().copied().map(Point::from).collect();
+    let Ok(index) = CloudIndex::new(&places) else { return sample };
+    let mut reach =
+        index.map_nearest_n(&places, SUPPORT + 1, |_, near| near.last().map_or(0.0, |n| n.distance()));
+    let radius = quantile_in_place(&mut reach, 0.5);
+    if sample.len() < FEW || !(radius > 0.0) {
+        return sample;
+    }
+    let band = BAND * radius;
+    let counts = parallel::tasks(sample.len(), |i| {
+        let near = index.within(&places[i], radius);
+        let others: Vec<SVector<f64, D>> =
+            near.iter().filter(|n| n.index != i).map(|n| sample[n.index] - sample[i]).collect();
+        let stride = others.len().div_ceil(DIRECTIONS).max(1);
+        let along = others.iter().step_by(stride).filter_map(|p| p.try_normalize(0.0)).map(|way| {
+            others.iter().filter(|p| (*p - way * way.dot(p)).norm_squared() < band * band).count()
+        });
+        (along.max().unwrap_or(0), others.len())
+    });
+    let mut sorted: Vec<f64> = counts.iter().map(|c| c.0 as f64).collect();
+    let half = 0.5 * quantile_in_place(&mut sorted, 0.5);
+    let stands = |&(along, all): &(usize, usize)| all > 1 && (along as f64 >= half || 2 * along >= all);
+    let kept: Vec<SVector<f64, D>> =
+        sample.iter().zip(&counts).filter(|(_, count)| stands(count)).map(|(p, _)| *p).collect();
+    if (sample.len() - kept.len()) as f64 <= OFF * sample.len() as f64 { kept } else { sample }
+}
+
 fn is_good<const D: usize>(found: &Parts<D>, turn: f64) -> bool {
-    !found.paths.is_empty() && found.turn <= turn
+    !found.paths.is_empty() && !found.lanes && found.turn <= turn
 }
 
 /// Share of the points that are further from all paths than a distance; than a step of the path, if none is given.

@@ -20,7 +20,7 @@ const FAITHFUL: f64 = 1e-2;
 /// Share of the distances that the standard deviation does not exceed, and what lies off the path, in units of that and of the spacing.
 const DEVIATION: f64 = 0.6827;
 const OUTLYING: f64 = 6.0;
-const SPACINGS: f64 = 3.0;
+const SPACINGS: f64 = 1.0;
 /// Times that knots are inserted for that, and share of the largest distance up to which it is done where their number is given.
 const ROUNDS: usize = 24;
 const WORST: f64 = 0.3;

@@ -7,7 +7,7 @@ use super::options::CurveOptions;
 use super::report::StageRecord;
 use super::start::Layout;
 use crate::iterate::{Progress, fit_with_progress};
-use crate::options::{FitOptions, FootpointPolicy, Smoothing};
+use crate::options::{FitOptions, FootpointPolicy, Robust, Smoothing};
 use crate::{Constraints, Error, FitReport, Status, StepRecord, Target};
 use nalgebra::SVector;
 use nurbs_core::BsplineCurve;
@@ -56,6 +56,8 @@ pub(super) struct Work<'a, const D: usize> {
     pub(super) follows: bool,
     /// How often the path crosses itself; that often the curve may do so, too.
     pub(super) expected: usize,
+    /// Whether points that lie off the path are not among these, so that distances tell no outliers before there is a good curve.
+    pub(super) sorted_out: bool,
     /// Whether the curve was given, and its number of control points with it.
     pub(super) given: bool,
     /// A tolerance that the points call for where none is asked for.
@@ -80,6 +82,7 @@ impl<'a, const D: usize> Work<'a, D> {
             follows: false,
             expected: 0,
             given: false,
+            sorted_out: false,
             goal: None,
         }
     }
@@ -167,6 +170,7 @@ impl<'a, const D: usize> Work<'a, D> {
     /// Options of the loop for a curve: footpoints are cheap, so all are found each time, unless they are followed.
     pub(super) fn loop_options(&self) -> FitOptions {
         let fit = self.options.fit;
+        let fit = if self.sorted_out { fit.with_robust(Robust::None) } else { fit };
         if self.follows {
             // Knots are where the curve bends, and the number of control points is what noise limits: energy only bridges gaps.
             let smoothing = match fit.smoothing {
