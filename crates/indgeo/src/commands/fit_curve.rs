@@ -60,8 +60,8 @@ pub(crate) struct Args {
     /// curves, or a part without data [default: as the other distances of neighbours show]
     #[arg(long, value_name = "LENGTH", value_parser = numbers::length)]
     max_gap: Option<f64>,
-    /// Weights are unknowns, too: conics become exact, as arcs of degree 2 if there are as many control points as these need (2 per arc, of
-    /// which a closed one has at least 2, and 1 for an open curve)
+    /// Weights are unknowns, too: conics become exact, as arcs of degree 2, if there are as many control points as these
+    /// need: 6 for a closed curve, 3 to 9 for an open one
     #[arg(long)]
     rational: bool,
     /// Write the footpoint of every point (CSV): the point, its foot, distance and parameter

@@ -133,15 +133,17 @@ fn runs(truth: &Truth, count: usize, noise: f64, outliers: f64, seeds: u64) -> (
     let mut tally = Tally::default();
     let (mut worst, clock) = (0.0_f64, Instant::now());
     for seed in 1..=seeds {
-        let points = truth.sample(count, sigma, outliers, seed * 7919 + count as u64);
+        let (points, strange) = truth.sample(count, sigma, outliers, seed * 7919 + count as u64);
         let robust = if outliers > 0.0 {
             Robust::Kernel { kernel: Kernel::Tukey, abs_scale: None }
         } else {
             Robust::None
         };
         let options = CurveOptions::default().with_fit(FitOptions::default().with_robust(robust));
+        let own: Vec<Vector2<f64>> =
+            points.iter().zip(&strange).filter(|(_, strange)| !**strange).map(|(p, _)| *p).collect();
         let cell = (0.02 * truth.size()).max(2.0 * spacing);
-        let allowed = (NEAR * sigma).max(NEAR * spacing).max(widest(truth, &points, cell));
+        let allowed = (NEAR * sigma).max(NEAR * spacing).max(widest(truth, &own, cell));
         let (off, claimed) = match fit_curves(&points, &options) {
             Ok(parts) => {
                 let curves: Vec<BsplineCurve<2>> = parts.iter().map(|p| p.fit.curve.clone()).collect();

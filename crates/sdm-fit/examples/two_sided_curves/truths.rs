@@ -91,8 +91,14 @@ impl Truth {
         bounds
     }
 
-    /// Random points of it, uniform by length, with noise across and along it, and others anywhere about it.
-    pub(crate) fn sample(&self, count: usize, sigma: f64, outliers: f64, seed: u64) -> Vec<Vector2<f64>> {
+    /// Random points of it, uniform by length, with noise across and along it, others anywhere about it, and which ones these are.
+    pub(crate) fn sample(
+        &self,
+        count: usize,
+        sigma: f64,
+        outliers: f64,
+        seed: u64,
+    ) -> (Vec<Vector2<f64>>, Vec<bool>) {
         let mut random = Random::new(seed);
         let edges: Vec<[Vector2<f64>; 2]> =
             self.pieces.iter().flat_map(|p| p.windows(2)).map(|p| [p[0], p[1]]).collect();
@@ -106,14 +112,14 @@ impl Truth {
             .map(|_| {
                 if random.uniform() < outliers {
                     let share = Vector2::new(random.uniform(), random.uniform()) * 1.2 - Vector2::repeat(0.1);
-                    return low + (high - low).component_mul(&share);
+                    return (low + (high - low).component_mul(&share), true);
                 }
                 let s = random.uniform() * total;
                 let k = lengths.partition_point(|l| *l <= s).clamp(1, edges.len()) - 1;
                 let [a, b] = edges[k];
                 let share = (s - lengths[k]) / (lengths[k + 1] - lengths[k]).max(f64::MIN_POSITIVE);
-                a + (b - a) * share + Vector2::new(random.normal(), random.normal()) * sigma
+                (a + (b - a) * share + Vector2::new(random.normal(), random.normal()) * sigma, false)
             })
-            .collect()
+            .unzip()
     }
 }

@@ -15,12 +15,17 @@ const MOST: usize = 200_000;
 /// How far a point may be: in spacings, and in units of the noise, besides half the logarithm of the number of points.
 const SPACINGS: f64 = 3.0;
 const NOISES: f64 = 5.0;
+/// Neighbours whose mean place is compared with the curve, and how far that may be in units of the noise.
+const WINDOW: usize = 16;
+const TOGETHER: f64 = 1.5;
 /// Length along the curve that noise adds to the gap between neighbours, in units of the noise.
 const SLACK: f64 = 4.0;
 /// Length of the curve between neighbours over their distance from which on it is a detour.
 const DETOUR: f64 = 1.5;
 /// The same for the way to a single point that may be an outlier and on.
 const LONE: f64 = 3.5;
+/// How much longer than the largest gap of random points two, three, … gaps in a row are.
+const ROW: [f64; 4] = [1.2, 1.4, 1.55, 1.7];
 /// Standard deviation of the points as a share of the length of the curve from which on they are no curve.
 const THICK: f64 = 0.03;
 /// Neighbourhood in units of the root mean square distance, how far along the curve those in it may be, and the share of pairs further apart from
@@ -133,6 +138,8 @@ pub(crate) fn of_curve<const D: usize>(
     let of_noise = found.noise * (NOISES + 0.5 * (points.len() as f64).ln());
     found.distance_limit = limits.distance.max(SPACINGS * found.spacing).max(of_noise);
     found.far = feet.iter().filter(|foot| !(foot.distance <= found.distance_limit)).count();
+    let usual = limits.distance.max(SPACINGS * found.spacing).max(TOGETHER * found.noise);
+    found.far = found.far.max(aside(&stops, usual));
     let near: Vec<Stop<D>> =
         stops.iter().copied().filter(|s| s.residual.norm() <= found.distance_limit).collect();
     let hook = 2.0 * usual_gap(&gaps) + SLACK * found.noise;
@@ -166,8 +173,25 @@ pub(crate) fn of_curve<const D: usize>(
             }
         }
     }
+    if limits.outliers && limits.gap.is_none() {
+        // Neither do a few in a row that are nearly as far apart as gaps are.
+        for count in 2..=ROW.len() + 1 {
+            let limit = ROW[count - 2] * found.gap_limit;
+            for row in near.windows(count + 1) {
+                let (first, last) = (row[0].at, row[count].at);
+                if last - first > limit {
+                    found.bare.push(Bare {
+                        from: vec![chords.at(first).0],
+                        to: vec![chords.at(last).0],
+                        size: last - first,
+                        place: row[count / 2].foot.iter().copied().collect(),
+                    });
+                }
+            }
+        }
+    }
     found.bare.sort_by(|a, b| b.size.total_cmp(&a.size));
-    found.without_data = found.bare.iter().map(|b| b.size).fold(0.0, |sum, size| sum + size);
+    found.without_data = found.bare.iter().map(|b| b.size).fold(0.0, |sum, size| sum + size).min(total);
     found.share_without_data = found.without_data / total;
     found.size_ratio = if polygon > 0.0 { total / polygon } else { 0.0 };
     measure(&chords, points, &mut found);
@@ -208,6 +232,26 @@ fn noise<const D: usize>(stops: &[Stop<D>]) -> f64 {
     // Medians of the absolute value of one, or the length of two or more normal variables.
     let unit = if D <= 2 { 0.6745 } else { 1.1774 };
     quantile_in_place(&mut sizes, 0.5) / (6f64.sqrt() * unit)
+}
+
+/// Number of points that lie to one side of the curve together with their neighbours, further than noise explains.
+fn aside<const D: usize>(stops: &[Stop<D>], limit: f64) -> usize {
+    let width = WINDOW.min(stops.len() / 8);
+    if width < WINDOW / 2 {
+        return 0;
+    }
+    let mut sum: SVector<f64, D> = stops[..width].iter().map(|s| s.residual).sum();
+    let (mut count, mut until) = (0, 0);
+    for first in 0..=stops.len() - width {
+        if first > 0 {
+            sum += stops[first + width - 1].residual - stops[first - 1].residual;
+        }
+        if sum.norm() > limit * width as f64 {
+            count += first + width - until.max(first);
+            until = first + width;
+        }
+    }
+    count
 }
 
 /// Distances of the curve from the points.

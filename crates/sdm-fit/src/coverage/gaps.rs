@@ -1,26 +1,39 @@
 //! What distances between neighbours are usual, and from where on there is a gap.
 
+use distance_field::quantile_in_place;
+
 /// Gaps that may stand out: at least so many, at most this share of all, and by which factor from the next.
 const FEW: usize = 8;
 const RARE: usize = 50;
 const STANDS_OUT: f64 = 3.0;
-/// Difference of the upper and the lower quartile by length of the gaps that random points leave, in units of their mean: the quartiles of
-/// the gamma distribution of shape 2.
-const QUARTILES: f64 = 1.731;
+/// Difference of the upper and the lower quartile of exponentially distributed gaps, as random points leave them, in units of their mean.
+const QUARTILES: f64 = 1.0986;
 /// Beyond the upper quartile, in units of that mean, besides the logarithm of the number of gaps: random points leave a larger gap
-/// once in five hundred times.
-const BEYOND: f64 = 4.0;
-/// And in units of what nine tenths of the length do not exceed.
+/// once in a thousand times, and such as are up to twice as dense in one place as in another hardly more often.
+const BEYOND: f64 = 6.5;
+/// And in units of what nine of ten gaps do not exceed.
 const EVEN: f64 = 2.0;
+/// Share of the mean up to which gaps are added up, but for rounding.
+const TOGETHER: f64 = 0.999;
 
-/// The gap up to which the next ones on a line count as neighbours, judged by all gaps: evenly spaced points may be twice as far apart as most of them,
-/// random ones by as much as random points are.
+/// The gap up to which the next ones on a line count as neighbours, judged by all gaps in their order: evenly spaced points may be twice as far apart
+/// as most of them, random ones by as much as random points are.
 ///
-/// Quantiles are by length, so that points which come in clusters are judged by the distances of these. Few gaps that are much longer than all
-/// others do not count. Infinite for fewer than three gaps.
+/// Gaps are added up until they reach their mean, so that points which come in clusters are judged by the distances of these. Few gaps that are
+/// much longer than all others do not count. Infinite for fewer than three gaps.
 pub(crate) fn gap_limit(gaps: &[f64]) -> f64 {
     let Some(sorted) = without_those_that_stand_out(gaps) else { return f64::INFINITY };
-    let [q25, q75, q90] = [0.25, 0.75, 0.9].map(|share| by_length(&sorted, share));
+    let largest = sorted.first().copied().unwrap_or(0.0);
+    let mean = sorted.iter().sum::<f64>() / sorted.len() as f64;
+    let (mut sums, mut sum) = (Vec::new(), 0.0);
+    for gap in gaps.iter().copied().filter(|g| *g > 0.0 && *g <= largest) {
+        sum += gap;
+        if sum >= TOGETHER * mean {
+            sums.push(sum);
+            sum = 0.0;
+        }
+    }
+    let [q25, q75, q90] = [0.25, 0.75, 0.9].map(|share| quantile_in_place(&mut sums, share));
     let scale = (q75 - q25) / QUARTILES;
     (EVEN * q90).max(q75 + scale * ((gaps.len() as f64).ln() + BEYOND))
 }

@@ -20,6 +20,8 @@ const SMOOTHED: f64 = 0.5;
 /// Improvement of the root mean square below which more knots do not help, and how often in a row that may be.
 const HELP: f64 = 0.02;
 const PATIENCE: usize = 3;
+/// Share of a curve without points from which on a number of control points is not taken if another one has less.
+const BARE: f64 = 0.03;
 /// Share of the size below which distances are good enough where nothing else is asked for.
 const GOOD: f64 = 1e-6;
 /// Least `λ` while knots are missing.
@@ -219,7 +221,8 @@ pub(super) fn by_noise<const D: usize>(
             state = work.run_on(&sample, curve, &fit, "choose")?;
         }
         let rms = state.report.rms.max(EXACT * work.size);
-        let faulty = work.crossings(&state.curve) > 0 || !work.coverage_on(&sample, &state.curve).bare.is_empty();
+        let faulty = work.crossings(&state.curve) > 0
+            || work.coverage_on(&sample, &state.curve).share_without_data > BARE;
         // Both by direction across the curve: along it neither points nor control points tell anything.
         let free = if bent { controls as f64 } else { SMOOTHED * controls as f64 };
         let criterion = count * 2.0 * rms.ln() + free * count.ln();

@@ -42,6 +42,8 @@ pub(super) struct Origin {
     pub(super) closed: bool,
     pub(super) closure: Closure,
     pub(super) start: CurveStart,
+    /// Whether the points show no path.
+    pub(super) lost: bool,
 }
 
 impl<const D: usize> Work<'_, D> {
@@ -79,6 +81,7 @@ impl<const D: usize> Work<'_, D> {
         let mut coverage = of_curve(&state.curve, &used, &used_feet, asked);
         let left: Vec<SVector<f64, D>> = (0..local.len()).filter(|&k| !counts[k]).map(|k| local[k]).collect();
         coverage.far += missed(&left, local.len(), &coverage);
+        coverage.spread_out |= origin.lost;
         let outliers = robust != Robust::None;
         if !outliers {
             coverage.far += astray.len();

@@ -97,7 +97,7 @@ fn fitted<const D: usize>(
         let mut work = Work::new(inliers.as_ref().unwrap_or(&local), options, progress);
         let most = distinct.min(options.max_controls).max(options.degree + 1);
         work.sorted_out = inliers.is_some();
-        work.expected = layout.crossings(options.degree, most, work.points)?;
+        work.expected = layout.crossings();
         let state = work.after_layout(&layout, distinct)?;
         let state = work.with_points(state, &layout, most)?;
         let state = work.weighed(state)?;
@@ -106,7 +106,8 @@ fn fitted<const D: usize>(
             state = rational::with_weights(&mut work, state, Some(&layout))?;
         }
         let state = work.settled(work.trimmed(state)?);
-        let origin = Origin { closed: layout.closed, closure: layout.closure, start: layout.kind };
+        let Layout { closed, closure, kind: start, lost, .. } = layout;
+        let origin = Origin { closed, closure, start, lost };
         return work.conclude(state, &cloud, origin);
     };
     let mut work = Work::new(&local, options, progress);
@@ -121,7 +122,7 @@ fn fitted<const D: usize>(
     }
     let state = work.settled(state);
     let kind = if options.search { CurveStart::Contour } else { CurveStart::Given };
-    work.conclude(state, &cloud, Origin { closed, closure: Closure::Start, start: kind })
+    work.conclude(state, &cloud, Origin { closed, closure: Closure::Start, start: kind, lost: false })
 }
 
 impl<const D: usize> Work<'_, D> {

@@ -1,7 +1,7 @@
 //! Nodes put in order: one or more chains, each open or closed.
 
 use super::path::Path;
-use super::tour::{neighbours, short_tour};
+use super::tour::{cost, neighbours, short_tour};
 use super::tree::{Groups, shortest_forest};
 use crate::coverage::gap_limit;
 use distance_field::quantile_in_place;
@@ -32,6 +32,13 @@ const NEXT: usize = 6;
 const BESIDE: f64 = 1.5;
 const MANY: f64 = 0.12;
 const ROUGH: f64 = 0.15;
+/// How much longer than the mean of the edges, besides the logarithm of their number, an edge of one piece is at most.
+const RANDOM: f64 = 3.0;
+/// What a node costs that is an outlier, in units of most steps, and how often nodes are looked at again when there were some.
+const DETOUR: f64 = 8.0;
+const DETOURS: usize = 4;
+/// Cosine of directions that are the same.
+const PARALLEL: f64 = 0.8;
 /// Nodes so few that no path says whether they lie on a curve.
 const FEW: usize = 24;
 
@@ -53,6 +60,8 @@ pub(super) struct Asked {
     pub(super) closed: Option<bool>,
     /// Length without points that is no gap.
     pub(super) gap: Option<f64>,
+    /// Whether single points may belong to nothing.
+    pub(super) outliers: bool,
 }
 
 /// Chains through nodes of which no two are equal, by their distances; `raw` are the points that nodes stand for, if they are not the points
@@ -67,16 +76,29 @@ pub(super) fn chains<const D: usize>(
     let forest = shortest_forest(&nodes, &near);
     let mean = forest.iter().map(|e| e.2).sum::<f64>() / forest.len().max(1) as f64;
     // As far apart as random points are.
-    let cap = asked.gap.unwrap_or(0.0).max(mean * (1.0 + (nodes.len() as f64).ln()));
+    let cap = asked.gap.unwrap_or(0.0).max(mean * (RANDOM + (nodes.len() as f64).ln()));
     let tour: Vec<SVector<f64, D>> =
         short_tour(&nodes, &near, cap).into_iter().map(|i| nodes[i]).collect();
-    let tour = without_spikes(tour, true);
+    let mut tour = without_spikes(tour, true);
+    if asked.outliers {
+        for _ in 0..DETOURS {
+            let before = tour.len();
+            tour = without_detours(tour, cap);
+            if tour.len() == before {
+                break;
+            }
+        }
+    }
     let steps: Vec<f64> = (0..tour.len()).map(|k| (tour[(k + 1) % tour.len()] - tour[k]).norm()).collect();
     let Some(raw) = raw else { return Some(cut(tour, &steps, 0.0, asked, false)) };
     let gaps = gaps_of(raw, &tour, &steps, cap);
     // Where branches meet, points count for one of them, and the other has none on the way across.
-    let slack = ACROSS * quantile_in_place(&mut steps.clone(), 0.5);
-    Some(cut(tour, &gaps, slack, asked, false))
+    let step = quantile_in_place(&mut steps.clone(), 0.5);
+    let mut parts = cut(tour, &gaps, ACROSS * step, asked, false);
+    for path in &mut parts.paths {
+        without_overlap(path, BESIDE * step);
+    }
+    Some(parts)
 }
 
 /// Chains through nodes in their order.
@@ -130,6 +152,54 @@ fn without_spikes<const D: usize>(nodes: Vec<SVector<f64, D>>, closed: bool) -> 
     };
     let kept: Vec<SVector<f64, D>> = (0..n).filter(|&k| !is_spike(k)).map(|k| nodes[k]).collect();
     if n - kept.len() <= n / 10 { kept } else { nodes }
+}
+
+/// The nodes of a closed tour but for those that are a long way round, where some may be outliers.
+fn without_detours<const D: usize>(nodes: Vec<SVector<f64, D>>, cap: f64) -> Vec<SVector<f64, D>> {
+    let n = nodes.len();
+    let mut steps: Vec<f64> = nodes.windows(2).map(|p| (p[1] - p[0]).norm()).collect();
+    let usual = quantile_in_place(&mut steps, 0.5);
+    let at = |k: usize, step: usize| nodes[(k + n + step - 2) % n];
+    let mut kept = Vec::with_capacity(n);
+    let mut last_kept = true;
+    for k in 0..n {
+        let way = [0, 1, 2, 3, 4].map(|step| at(k, step));
+        let gain = cost(&way, cap) - cost(&[way[0], way[1], way[3], way[4]], cap);
+        // One at a time: the next one is judged when this one is gone.
+        last_kept = !(last_kept && gain > DETOUR * usual);
+        if last_kept {
+            kept.push(nodes[k]);
+        }
+    }
+    if n - kept.len() <= n / 10 { kept } else { nodes }
+}
+
+/// Takes away the ends of an open path that run along other parts of it, as those of a ring that was not closed.
+fn without_overlap<const D: usize>(path: &mut Path<D>, reach: f64) {
+    if path.is_closed() {
+        return;
+    }
+    for _ in 0..2 {
+        path.nodes.reverse();
+        let n = path.nodes.len();
+        let doubled = |k: usize| {
+            let next = if k + 1 < n { path.nodes[k + 1] - path.nodes[k] } else { path.nodes[k] - path.nodes[k - 1] };
+            (0..k.saturating_sub(NEXT)).any(|j| {
+                let way = path.nodes[j + 1] - path.nodes[j];
+                let parallel = way.dot(&next).abs() > PARALLEL * way.norm() * next.norm();
+                parallel && (path.nodes[j] - path.nodes[k]).norm() <= reach
+            })
+        };
+        let (mut seen, mut cut) = (0, n);
+        for k in (n - n / 3..n).rev() {
+            seen += usize::from(doubled(k));
+            if seen >= 2 && 5 * seen >= 3 * (n - k) {
+                cut = k;
+            }
+        }
+        path.nodes.truncate(cut);
+    }
+    path.gap = path.nodes.first().zip(path.nodes.last()).map_or(0.0, |(a, b)| (b - a).norm());
 }
 
 /// For each step of a closed tour the longest stretch of it on which no point lies; points count for the nearest step that is no

@@ -1,10 +1,11 @@
 //! A polygon along a cloud: from the order of its points, or from their places alone.
 
+use super::crossing::plane;
 use super::parts::{Asked, Parts, chains, in_order};
 use crate::parallel;
 use distance_field::quantile_in_place;
 use mesh_core::CloudIndex;
-use nalgebra::{DMatrix, Point, SVector};
+use nalgebra::{DMatrix, Point, SVector, Vector2};
 use std::cmp::Ordering;
 
 /// Points taken for a path at most.
@@ -21,15 +22,16 @@ const STEP: [f64; 2] = [0.2, 0.35];
 const SCATTERED: usize = 500;
 /// Fewest points of a path.
 const LEAST: usize = 4;
-/// Median angle between the edges of a path through points and through drawn nodes, at most, in radians.
-const TURNS: [f64; 2] = [0.5, 0.6];
+/// Median angle between the edges of a path through points and through drawn nodes, at most, and of one that is better than none, in radians.
+const TURNS: [f64; 3] = [0.5, 0.6, 1.0];
 /// A polygon is smooth where twice the window shortens it by less than this factor.
 const ZIGZAG: f64 = 1.1;
 /// Parts into which points in their order may fall.
 const PARTS: usize = 12;
-/// Width of a neighbourhood as a share of its length up to which its direction is that of its main axis, and beyond which no curve is to be seen.
+/// Width of a neighbourhood as a share of its length up to which its direction is that of its main axis, and beyond which no curve is to be seen, first
+/// and, if there is no path then, at last.
 const NARROW: f64 = 0.3;
-const ROUND: f64 = 0.45;
+const ROUND: [f64; 2] = [0.35, 0.45];
 /// Directions tried where branches cross, and width of the band about them as a share of the neighbourhood.
 const DIRECTIONS: usize = 24;
 const BAND: f64 = 0.2;
@@ -37,6 +39,10 @@ const BAND: f64 = 0.2;
 const SUPPORT: usize = 8;
 const FEW: usize = 60;
 const OFF: f64 = 0.12;
+/// How many others are in line with a point at least, as a share of the median.
+const IN_LINE: f64 = 0.35;
+/// Edges of a path that are nearly next to each other.
+const NEXT: usize = 6;
 /// Points that a node stands for at least, as a share of the median.
 const SPARSE: f64 = 0.25;
 
@@ -74,6 +80,31 @@ impl<const D: usize> Path<D> {
         let stride = points.len().div_ceil(SCATTERED).max(1);
         let squares: Vec<f64> = points.iter().step_by(stride).map(|x| self.distance(x).powi(2)).collect();
         (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
+    }
+
+    /// How often a path in the plane crosses itself, but for crossings of edges that are nearly next to each other.
+    pub(crate) fn crossings(&self, closed: bool) -> usize {
+        let n = self.nodes.len();
+        if D != 2 || n < 2 * NEXT {
+            return 0;
+        }
+        let edges = if closed { n } else { n - 1 };
+        let edge = |k: usize| (plane(&self.nodes[k]), plane(&self.nodes[(k + 1) % n]));
+        let crosses = |i: usize, j: usize| {
+            let ((a, b), (c, d)) = (edge(i), edge(j));
+            let apart = a.inf(&b).zip_map(&c.sup(&d), |low, high| low > high);
+            let beyond = c.inf(&d).zip_map(&a.sup(&b), |low, high| low > high);
+            if apart.iter().chain(beyond.iter()).any(|x| *x) {
+                return false;
+            }
+            let side = |p: &Vector2<f64>, q: &Vector2<f64>, x: &Vector2<f64>| (q - p).perp(&(x - p)) > 0.0;
+            side(&a, &b, &c) != side(&a, &b, &d) && side(&c, &d, &a) != side(&c, &d, &b)
+        };
+        let counts = parallel::map(edges, |i| {
+            let near = |j: usize| j - i <= NEXT || closed && n + i - j <= NEXT;
+            (i + 1..edges).filter(|&j| !near(j) && crosses(i, j)).count()
+        });
+        counts.iter().sum()
     }
 
     /// Lengths from the first node to each, and in all, the way back included if `closed`.
@@ -163,14 +194,21 @@ pub(super) fn through<const D: usize>(points: &[SVector<f64, D>], asked: Asked) 
     }
     let places: Vec<Point<f64, D>> = sample.iter().copied().map(Point::from).collect();
     let index = CloudIndex::new(&places).ok()?;
-    for count in NEIGHBOURS {
+    // The best of what is not good, if nothing is.
+    let mut second: Option<(f64, Vec<Path<D>>)> = None;
+    for (round, count) in ROUND.into_iter().flat_map(|round| NEIGHBOURS.map(|count| (round, count))) {
         if count > (sample.len() / 3).max(NEIGHBOURS[0]) {
-            break;
+            continue;
         }
         let mut reach =
             index.map_nearest_n(&places, count + 1, |_, near| near.last().map_or(0.0, |n| n.distance()));
         let radius = quantile_in_place(&mut reach, 0.5);
-        if radius.is_nan() || radius <= 0.0 || roundness(&index, &sample, radius) > ROUND {
+        if radius.is_nan() || radius <= 0.0 {
+            continue;
+        }
+        let width = roundness(&index, &sample, radius);
+        // The second time those that were not looked at before.
+        if width > round || round > ROUND[0] && width <= ROUND[0] {
             continue;
         }
         let drawn = draw(&index, &sample, radius);
@@ -179,12 +217,23 @@ pub(super) fn through<const D: usize>(points: &[SVector<f64, D>], asked: Asked) 
             continue;
         }
         let Some(mut found) = chains(&nodes, Some(&drawn), asked) else { continue };
-        if is_good(&found, TURNS[1]) && strays(&found.paths, &sample, Some(radius)) <= STRAY {
-            found.paths.iter_mut().filter(|path| !path.is_closed()).for_each(|path| reach_ends(path, &drawn, radius));
+        let stray = strays(&found.paths, &sample, Some(radius));
+        if stray > STRAY || found.turn > TURNS[2] || found.lanes || found.paths.is_empty() {
+            continue;
+        }
+        found.paths.iter_mut().filter(|path| !path.is_closed()).for_each(|path| reach_ends(path, &drawn, radius));
+        if is_good(&found, TURNS[1]) {
             return Some(found.paths);
         }
+        if second.as_ref().is_none_or(|other| found.turn < other.0) {
+            second = Some((found.turn, found.paths));
+        }
     }
-    None
+    second.map(|found| found.1)
+}
+
+fn is_good<const D: usize>(found: &Parts<D>, turn: f64) -> bool {
+    !found.paths.is_empty() && !found.lanes && found.turn <= turn
 }
 
 /// The points but for those through which there is no line along which as many neighbours lie as for others, if these are few.
@@ -209,15 +258,11 @@ fn supported<const D: usize>(sample: Vec<SVector<f64, D>>) -> Vec<SVector<f64, D
         (along.max().unwrap_or(0), others.len())
     });
     let mut sorted: Vec<f64> = counts.iter().map(|c| c.0 as f64).collect();
-    let half = 0.5 * quantile_in_place(&mut sorted, 0.5);
-    let stands = |&(along, all): &(usize, usize)| all > 1 && (along as f64 >= half || 2 * along >= all);
+    let few = IN_LINE * quantile_in_place(&mut sorted, 0.5);
+    let stands = |&(along, all): &(usize, usize)| all > 1 && (along as f64 >= few || 2 * along >= all);
     let kept: Vec<SVector<f64, D>> =
         sample.iter().zip(&counts).filter(|(_, count)| stands(count)).map(|(p, _)| *p).collect();
     if (sample.len() - kept.len()) as f64 <= OFF * sample.len() as f64 { kept } else { sample }
-}
-
-fn is_good<const D: usize>(found: &Parts<D>, turn: f64) -> bool {
-    !found.paths.is_empty() && !found.lanes && found.turn <= turn
 }
 
 /// Share of the points that are further from all paths than a distance; than a step of the path, if none is given.
@@ -391,7 +436,7 @@ mod tests {
     use super::*;
     use nalgebra::Vector2;
 
-    const ANY: Asked = Asked { closed: None, gap: None };
+    const ANY: Asked = Asked { closed: None, gap: None, outliers: false };
 
     fn arc(n: usize, angle: f64) -> Vec<Vector2<f64>> {
         (0..n).map(|i| angle * i as f64 / (n - 1) as f64).map(|a| Vector2::new(a.cos(), a.sin())).collect()

@@ -1,12 +1,12 @@
 //! Curves to start from.
 
-use super::crossing::self_crossings;
 use super::front;
 use super::options::CurveOptions;
 use super::parts::Asked;
 use super::path::{Path, along_order, is_ordered, principal, through};
 use super::report::{Closure, CurveStart};
 use crate::Error;
+use crate::options::Robust;
 use distance_field::quantile_in_place;
 use nalgebra::{DMatrix, SVector};
 use nurbs_core::{BsplineCurve, CurveFitOptions, Interval, KnotVector, ParametricCurve};
@@ -34,6 +34,8 @@ pub(crate) struct Layout<const D: usize> {
     pub(crate) kind: CurveStart,
     pub(crate) closed: bool,
     pub(crate) closure: Closure,
+    /// Whether the points show no path.
+    pub(crate) lost: bool,
     path: Option<Path<D>>,
     axes: Vec<(SVector<f64, D>, f64)>,
     centre: SVector<f64, D>,
@@ -57,7 +59,7 @@ impl<const D: usize> Layout<D> {
             let ends: Vec<_> = sorted.first().into_iter().chain(sorted.last()).copied().collect();
             let path = Path { nodes: ends, gap: f64::INFINITY, gap_limit: 0.0, ordered: false };
             let kind = CurveStart::Line;
-            return Ok(Self { kind, closed: false, closure, path: Some(path), axes, centre });
+            return Ok(Self { kind, closed: false, closure, lost: false, path: Some(path), axes, centre });
         }
         if options.search {
             if options.closed == Some(false) {
@@ -73,6 +75,7 @@ impl<const D: usize> Layout<D> {
                 kind: CurveStart::Contour,
                 closed: true,
                 closure: Closure::Asked,
+                lost: false,
                 path,
                 axes,
                 centre,
@@ -95,7 +98,7 @@ impl<const D: usize> Layout<D> {
             (None, None) => (true, Closure::Gap { gap: 0.0, limit: 0.0 }),
         };
         let kind = if kind == CurveStart::Ellipse && !closed { CurveStart::Line } else { kind };
-        Ok(Self { kind, closed, closure, path, axes, centre })
+        Ok(Self { kind, closed, closure, lost: path.is_none(), path, axes, centre })
     }
 
     /// The same cloud seen as one without a path.
@@ -130,10 +133,9 @@ impl<const D: usize> Layout<D> {
         points.iter().zip(distances).filter(|(_, d)| *d <= limit).map(|(p, _)| *p).collect()
     }
 
-    /// How often a curve that stays near to the path crosses itself.
-    pub(crate) fn crossings(&self, degree: usize, most: usize, points: &[SVector<f64, D>]) -> Result<usize, Error> {
-        let curve = self.faithful(degree, most, self.nearness(points))?;
-        Ok(curve.map_or(0, |curve| self_crossings(&curve).len()))
+    /// How often the path crosses itself.
+    pub(crate) fn crossings(&self) -> usize {
+        self.path.as_ref().map_or(0, |path| path.crossings(self.closed))
     }
 
     /// How far from the path points lie.
@@ -265,7 +267,8 @@ impl<const D: usize> Layout<D> {
 
 /// The paths along points, none of them if there are none.
 pub(super) fn paths<const D: usize>(points: &[SVector<f64, D>], options: &CurveOptions) -> Vec<Path<D>> {
-    let asked = Asked { closed: options.closed, gap: options.max_gap };
+    let outliers = options.fit.robust != Robust::None;
+    let asked = Asked { closed: options.closed, gap: options.max_gap, outliers };
     let ordered = if is_ordered(points) { along_order(points, asked) } else { None };
     ordered.or_else(|| through(points, asked)).unwrap_or_default()
 }
