@@ -9,8 +9,8 @@ const STANDS_OUT: f64 = 3.0;
 /// Difference of the upper and the lower quartile of exponentially distributed gaps, as random points leave them, in units of their mean.
 const QUARTILES: f64 = 1.0986;
 /// Beyond the upper quartile, in units of that mean, besides the logarithm of the number of gaps: random points leave a larger gap
-/// once in a thousand times, and such as are up to twice as dense in one place as in another hardly more often.
-const BEYOND: f64 = 6.5;
+/// once in two hundred times.
+const BEYOND: f64 = 5.0;
 /// And in units of what nine of ten gaps do not exceed.
 const EVEN: f64 = 2.0;
 /// Share of the mean up to which gaps are added up, but for rounding.

@@ -17,7 +17,7 @@ const PART: f64 = 0.03;
 const FEWEST: usize = 3;
 const STRAY: f64 = 0.1;
 /// Gap between the ends of a path, in units of its longest step, up to which it is closed.
-const RING: f64 = 1.5;
+const RING: f64 = 2.0;
 /// Cosine of a turn that is a spike if what it leads to is far away, in units of most steps.
 const SPIKE: f64 = -0.3;
 const FAR: f64 = 1.5;
@@ -33,7 +33,7 @@ const BESIDE: f64 = 1.5;
 const MANY: f64 = 0.12;
 const ROUGH: f64 = 0.15;
 /// How much longer than the mean of the edges, besides the logarithm of their number, an edge of one piece is at most.
-const RANDOM: f64 = 3.0;
+const RANDOM: f64 = 1.0;
 /// What a node costs that is an outlier, in units of most steps, and how often nodes are looked at again when there were some.
 const DETOUR: f64 = 8.0;
 const DETOURS: usize = 4;

@@ -9,16 +9,10 @@ pub(super) const NEIGHBOURS: usize = 12;
 const PASSES: usize = 40;
 /// What a turn costs, in units of the shorter of the two edges that meet there, for a right angle.
 const BEND: f64 = 3.0;
-/// What an edge costs that is longer than those of one piece, in units of the longest ones of these.
-const APART: f64 = 2.0;
 /// Most points that are moved to another place of the tour together.
 const MOVED: usize = 3;
 /// Cost that points must save where they are taken out, in units of the edge before them, to be moved at all.
 const STRAIGHT: f64 = 0.3;
-/// Points of a tour that is shaken, at most, how often per point, and the longest stretches that are exchanged.
-const SHAKEN: usize = 500;
-const KICKS: usize = 3;
-const STRETCH: usize = 30;
 /// Share of its parts by which a cost must fall.
 const LESS: f64 = 1e-12;
 
@@ -31,8 +25,8 @@ pub(super) fn neighbours<const D: usize>(points: &[SVector<f64, D>]) -> Option<V
     }))
 }
 
-/// A closed tour through points, no two of them equal, that is short and straight: an edge costs its length, or twice `cap` if it is longer
-/// than that, a turn what it bends between edges that are not. Edges are taken from the shortest one up, what they leave apart is
+/// A closed tour through points, no two of them equal, that is short and straight: an edge costs its length, but no more than `cap`, a turn
+/// what it bends between edges that are not longer than that. Edges are taken from the shortest one up, what they leave apart is
 /// joined, and pairs of edges exchanged (2-opt) or few points moved (Or-opt) as long as that lowers the cost.
 ///
 /// Through points on a curve it follows the curve, also where that is narrow, where a tree of shortest edges would pass from one side
@@ -45,8 +39,7 @@ pub(super) fn short_tour<const D: usize>(
     let order = joined(points, near);
     let mut tour = Tour { points, near, cap, place: vec![0; order.len()], order };
     tour.number();
-    tour.improve(&(0..points.len()).collect::<Vec<_>>());
-    tour.shake();
+    tour.improve();
     tour.order
 }
 
@@ -62,7 +55,7 @@ fn sum<const D: usize>(mut way: impl Iterator<Item = SVector<f64, D>>, cap: f64)
     for next in way {
         let edge = next - at;
         let length = edge.norm();
-        sum += if length > cap { APART * cap } else { length };
+        sum += length.min(cap);
         if let Some((other, shorter)) = before
             && length <= cap
             && shorter <= cap
@@ -163,64 +156,19 @@ impl<const D: usize> Tour<'_, D> {
         sum(way.iter().map(|&i| self.points[i]), self.cap)
     }
 
-    /// Improves the tour at some points, and what changes when these do.
-    fn improve(&mut self, at: &[usize]) {
+    fn improve(&mut self) {
         let n = self.order.len();
         if n < 8 {
             return;
         }
         for _ in 0..PASSES {
             let mut improved = false;
-            for &a in at {
+            for a in 0..n {
                 improved |= self.exchange(a);
                 improved |= self.shift(a);
             }
             if !improved {
                 break;
-            }
-        }
-    }
-
-    fn total(&self) -> f64 {
-        let mut way = self.order.clone();
-        way.extend_from_slice(&self.order[..2]);
-        self.cost(&way) - self.cost(&self.order[..2])
-    }
-
-    /// Exchanges two adjacent stretches at places without a pattern, improves the tour there, and keeps what costs less: a local minimum
-    /// that needs three changes at once is left that way.
-    fn shake(&mut self) {
-        let n = self.order.len();
-        if !(16..=SHAKEN).contains(&n) {
-            return;
-        }
-        let mut state = 0x9e37_79b9_7f4a_7c15_u64;
-        let mut random = |below: usize| -> usize {
-            state ^= state << 13;
-            state ^= state >> 7;
-            state ^= state << 17;
-            usize::try_from(state % below as u64).unwrap_or(0)
-        };
-        let mut best = self.total();
-        for _ in 0..KICKS * n {
-            let kept = self.order.clone();
-            let reach = (n / 3).min(STRETCH);
-            let (first, second) = (1 + random(reach), 1 + random(reach));
-            self.order.rotate_left(random(n));
-            self.order[..first + second].rotate_left(first);
-            self.number();
-            let ends = [0, second, first + second];
-            let mut touched: Vec<usize> =
-                ends.iter().flat_map(|&e| (0..6).map(move |k| (e + n + k - 3) % n)).map(|k| self.order[k]).collect();
-            touched.sort_unstable();
-            touched.dedup();
-            self.improve(&touched);
-            let cost = self.total();
-            if cost < best - LESS * best {
-                best = cost;
-            } else {
-                self.order = kept;
-                self.number();
             }
         }
     }
