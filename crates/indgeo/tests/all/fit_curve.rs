@@ -201,10 +201,16 @@ fn curves_that_leave_their_points_are_said_to_do_so() {
     assert_eq!(report["status"], "defective");
     let coverage = &report["results"]["coverage"];
     let bare = coverage["bare"].as_array().unwrap();
-    assert!(report["results"]["covered"] == false && report["results"]["parts"].as_array().unwrap().is_empty());
+    assert!(
+        report["results"]["covered"] == false && report["results"]["parts"].as_array().unwrap().is_empty()
+    );
     if let Some(first) = bare.first() {
         assert!(coverage["without_data"].as_f64().unwrap() > 3.0, "{coverage}");
-        assert!(run.stderr.contains("has no points between t = ") && first["place"][0].is_number(), "{}", run.stderr);
+        assert!(
+            run.stderr.contains("has no points between t = ") && first["place"][0].is_number(),
+            "{}",
+            run.stderr
+        );
     }
     // A point at the end of the world is far from the curve, and is left out if that is asked for.
     bench.put("far.xyz", ring(100, 0.0, 5.0) + "1e300 1\n");
@@ -214,7 +220,8 @@ fn curves_that_leave_their_points_are_said_to_do_so() {
     let run = bench.run("fit-curve far.xyz -o far.json --outliers automatic --json -");
     assert_eq!((run.code, &run.report()["results"]["points_used"]), (0, &100.into()), "{}", run.stderr);
     // The exact circle with as many control points as arcs need.
-    let run = bench.run("fit-curve far.xyz -o six.json --outliers automatic --rational --control-points 6 --json -");
+    let run = bench
+        .run("fit-curve far.xyz -o six.json --outliers automatic --rational --control-points 6 --json -");
     assert!(run.code == 0 && run.report()["results"]["max"].as_f64().unwrap() < 1e-9, "{}", run.stderr);
     assert!(bench.run("fit-curve two.xyz -o one.json --max-gap -1").code == 2);
 }

@@ -92,7 +92,10 @@ fn main() {
     let largest: usize = arguments.next().and_then(|a| a.parse().ok()).unwrap_or(20_000);
     let kind = arguments.next();
     let mut total = Tally::default();
-    println!("{:14} {:>6} {:>6} {:>5}  right  said  WRONG  (needless)  worst      s", "curve", "points", "noise", "outl.");
+    println!(
+        "{:14} {:>6} {:>6} {:>5}  right  said  WRONG  (needless)  worst      s",
+        "curve", "points", "noise", "outl."
+    );
     for truth in all().iter().filter(|t| kind.as_ref().is_none_or(|k| t.name.contains(k.as_str()))) {
         for count in [150, 600, 3000, 20_000].into_iter().filter(|c| *c <= largest) {
             for noise in [0.0, 0.003, 0.01] {
@@ -149,7 +152,9 @@ fn runs(truth: &Truth, count: usize, noise: f64, outliers: f64, seeds: u64) -> (
                 let curves: Vec<BsplineCurve<2>> = parts.iter().map(|p| p.fit.curve.clone()).collect();
                 let found = places(&curves);
                 if let Some(folder) = std::env::var_os("DUMP") {
-                    let text = |list: &[Vector2<f64>]| list.iter().map(|p| format!("{} {}\n", p.x, p.y)).collect::<String>();
+                    let text = |list: &[Vector2<f64>]| {
+                        list.iter().map(|p| format!("{} {}\n", p.x, p.y)).collect::<String>()
+                    };
                     let stem = format!("{}_{count}_{noise}_{outliers}_{seed}", truth.name.replace(' ', ""));
                     let folder = std::path::PathBuf::from(folder);
                     let _ = std::fs::write(folder.join(format!("{stem}.xyz")), text(&points));
@@ -162,7 +167,10 @@ fn runs(truth: &Truth, count: usize, noise: f64, outliers: f64, seeds: u64) -> (
                 let claimed = parts.iter().all(|p| p.fit.report.covered && p.fit.report.is_converged());
                 if !claimed && std::env::var_os("TELL").is_some() {
                     for p in &parts {
-                        println!("    {} {count} {noise} {outliers} seed {seed}: {}", truth.name, p.fit.report);
+                        println!(
+                            "    {} {count} {noise} {outliers} seed {seed}: {}",
+                            truth.name, p.fit.report
+                        );
                     }
                 }
                 (there.max(back), claimed)
@@ -188,7 +196,10 @@ fn runs(truth: &Truth, count: usize, noise: f64, outliers: f64, seeds: u64) -> (
             (false, true) => {
                 tally.wrong += 1;
                 if std::env::var_os("TELL").is_some() {
-                    println!("    {} {count} {noise} {outliers} seed {seed}: WRONG by {off} of {allowed}", truth.name);
+                    println!(
+                        "    {} {count} {noise} {outliers} seed {seed}: WRONG by {off} of {allowed}",
+                        truth.name
+                    );
                 }
             }
         }

@@ -22,7 +22,9 @@ fn polygon(name: &'static str, corners: &[[f64; 2]]) -> Truth {
     let mut points = Vec::new();
     for (k, a) in corners.iter().enumerate() {
         let (a, b) = (Vector2::from(*a), Vector2::from(corners[(k + 1) % corners.len()]));
-        points.extend((0..FINE / corners.len()).map(|i| a + (b - a) * (i * corners.len()) as f64 / FINE as f64));
+        points.extend(
+            (0..FINE / corners.len()).map(|i| a + (b - a) * (i * corners.len()) as f64 / FINE as f64),
+        );
     }
     points.push(points[0]);
     Truth { name, pieces: vec![points] }

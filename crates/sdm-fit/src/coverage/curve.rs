@@ -26,6 +26,8 @@ const DETOUR: f64 = 1.5;
 const LONE: f64 = 3.5;
 /// How much longer than the largest gap of random points two, three, … gaps in a row are.
 const ROW: [f64; 4] = [1.2, 1.4, 1.55, 1.7];
+/// And than even ones.
+const EVEN: f64 = 1.5;
 /// Standard deviation of the points as a share of the length of the curve from which on they are no curve.
 const THICK: f64 = 0.03;
 /// Neighbourhood in units of the root mean square distance, how far along the curve those in it may be, and the share of pairs further apart from
@@ -47,6 +49,8 @@ pub(crate) struct Limits {
     pub(crate) gap: Option<f64>,
     /// Whether a single point may be an outlier, so that it supports no excursion of the curve.
     pub(crate) outliers: bool,
+    /// Whether an open curve will be cut at its first and last point, so that what goes on beyond them does not matter.
+    pub(crate) free_ends: bool,
 }
 
 /// The curve by chords.
@@ -60,7 +64,8 @@ impl<const D: usize> Chords<D> {
     fn new(curve: &BsplineCurve<D>, data: usize) -> Self {
         let knots = curve.knots();
         let spans: Vec<usize> = knots.spans().collect();
-        let each = (PER_POINT * data / spans.len().max(1)).clamp(CHORDS, (MOST / spans.len().max(1)).max(CHORDS));
+        let each =
+            (PER_POINT * data / spans.len().max(1)).clamp(CHORDS, (MOST / spans.len().max(1)).max(CHORDS));
         let mut parameters = Vec::with_capacity(spans.len() * each + 1);
         for &span in &spans {
             let interval = knots.span_interval(span);
@@ -144,7 +149,10 @@ pub(crate) fn of_curve<const D: usize>(
         stops.iter().copied().filter(|s| s.residual.norm() <= found.distance_limit).collect();
     let hook = 2.0 * usual_gap(&gaps) + SLACK * found.noise;
     let mut polygon = 0.0;
-    for gap in between(&near, total, closed) {
+    let stretches = between(&near, total, closed);
+    // The last two of an open curve are those at its ends.
+    let counted = if limits.free_ends && !closed { near.len().saturating_sub(1) } else { stretches.len() };
+    for gap in stretches.into_iter().take(counted) {
         let detour = gap.length - gap.chord > hook && gap.length > DETOUR * gap.chord && limits.gap.is_none();
         if gap.length <= found.gap_limit && !detour {
             polygon += gap.chord;
@@ -176,7 +184,8 @@ pub(crate) fn of_curve<const D: usize>(
     if limits.outliers && limits.gap.is_none() {
         // Neither do a few in a row that are nearly as far apart as gaps are.
         for count in 2..=ROW.len() + 1 {
-            let limit = ROW[count - 2] * found.gap_limit;
+            let even = EVEN * (count + 1) as f64 * usual_gap(&gaps);
+            let limit = (ROW[count - 2] * found.gap_limit).max(even);
             for row in near.windows(count + 1) {
                 let (first, last) = (row[0].at, row[count].at);
                 if last - first > limit {

@@ -235,7 +235,11 @@ pub(super) fn by_noise<const D: usize>(
         }
         let next = controls + (controls * GROWTH.0 / GROWTH.1).max(1);
         let sound = best.is_none_or(|b| !b.faulty);
-        if worse >= 2 && controls >= faithful && sound || next > most || rms <= GOOD * work.size || work.cancelled {
+        if worse >= 2 && controls >= faithful && sound
+            || next > most
+            || rms <= GOOD * work.size
+            || work.cancelled
+        {
             break;
         }
         controls = next;

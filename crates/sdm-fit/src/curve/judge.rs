@@ -41,14 +41,21 @@ pub(super) fn limits<const D: usize>(
         (low, high) = (low.inf(p), high.sup(p));
     }
     let coarse = if options.controls.is_some() || given { COARSE * (high - low).norm() } else { 0.0 };
-    Limits { distance: options.abs_tolerance.unwrap_or(coarse), gap: options.max_gap, outliers: options.fit.robust != Robust::None }
+    Limits {
+        distance: options.abs_tolerance.unwrap_or(coarse),
+        gap: options.max_gap,
+        outliers: options.fit.robust != Robust::None,
+        free_ends: false,
+    }
 }
 
 impl<const D: usize> Work<'_, D> {
     /// A curve seen from some of the points, and the other way round.
     pub(super) fn coverage_on(&self, points: &[SVector<f64, D>], curve: &BsplineCurve<D>) -> Coverage {
         let feet = CurveProjector::new(curve).project_all(points);
-        of_curve(curve, points, &feet, limits(points, self.options, self.given))
+        // Ends are cut where the points end when there is nothing else to do.
+        let limits = Limits { free_ends: !self.given, ..limits(points, self.options, self.given) };
+        of_curve(curve, points, &feet, limits)
     }
 
     pub(super) fn coverage(&self, state: &State<D>) -> Coverage {
@@ -89,7 +96,11 @@ impl<const D: usize> Work<'_, D> {
             return Ok(state);
         }
         let mut best = state;
-        if coverage.bare.is_empty() && coverage.far > 0 && self.crossings(&best.curve) == 0 && !coverage.spread_out {
+        if coverage.bare.is_empty()
+            && coverage.far > 0
+            && self.crossings(&best.curve) == 0
+            && !coverage.spread_out
+        {
             best = self.towards(best, coverage.distance_limit)?;
             if self.is_sound(&best, &self.coverage(&best)) || self.cancelled {
                 return Ok(best);
@@ -179,7 +190,7 @@ impl<const D: usize> Work<'_, D> {
         Ok(state)
     }
 
-    /// A run that came to its last iteration when what it still gained was less than the data resolve has converged.
+    /// A run that came to its last iteration, or found no better step, when what it still gained was less than the data resolve has converged.
     pub(super) fn settled(&self, mut state: State<D>) -> State<D> {
         let history = &state.report.history;
         let (Some(last), Some(earlier)) =
@@ -187,7 +198,7 @@ impl<const D: usize> Work<'_, D> {
         else {
             return state;
         };
-        if state.report.status == Status::MaxIterations {
+        if matches!(state.report.status, Status::MaxIterations | Status::Stalled) {
             let spacing = self.coverage(&state).spacing;
             let gained = (earlier.rms - last.rms).abs();
             if gained <= RESOLVED * spacing && last.rms <= earlier.rms * (1.0 + CREEP) {
@@ -203,7 +214,8 @@ impl<const D: usize> Work<'_, D> {
             return Ok(state);
         }
         let feet = CurveProjector::new(&state.curve).project_all(self.points);
-        let coverage = of_curve(&state.curve, self.points, &feet, limits(self.points, self.options, self.given));
+        let coverage =
+            of_curve(&state.curve, self.points, &feet, limits(self.points, self.options, self.given));
         let near = |foot: &&CurveFootpoint<D>| foot.distance <= coverage.distance_limit;
         let parameters = || feet.iter().filter(near).map(|foot| foot.parameter);
         let first = parameters().fold(f64::INFINITY, f64::min);
@@ -244,7 +256,8 @@ impl<const D: usize> Work<'_, D> {
         for form in active.energy(self.options.fit.energy) {
             let columns = active.cells().columns(form.cell);
             let k = columns.len();
-            energy += (0..k * k).map(|e| form.gram[e] * d[columns[e / k]].dot(&d[columns[e % k]])).sum::<f64>();
+            energy +=
+                (0..k * k).map(|e| form.gram[e] * d[columns[e / k]].dot(&d[columns[e % k]])).sum::<f64>();
         }
         let worth = if energy > 0.0 { cost / energy } else { f64::INFINITY };
         let worth = if worth < NOTHING { 0.0 } else { worth };
@@ -253,7 +266,9 @@ impl<const D: usize> Work<'_, D> {
             Smoothing::Continuation { start, factor, floor } => {
                 Smoothing::Continuation { start: start.min(worth).max(floor), factor, floor }
             }
-            Smoothing::Automatic { start, factor } => Smoothing::Automatic { start: start.min(worth), factor },
+            Smoothing::Automatic { start, factor } => {
+                Smoothing::Automatic { start: start.min(worth), factor }
+            }
         })
     }
 }

@@ -27,5 +27,5 @@ pub use active::ActiveCurve;
 pub use crossing::self_crossings;
 pub use fit::{fit_curve, fit_curve_with_progress};
 pub use options::CurveOptions;
-pub use several::{CurvePart, fit_curves, fit_curves_with_progress};
 pub use report::{Closure, CurveFit, CurveReport, CurveStart, PointFoot, StageRecord};
+pub use several::{CurvePart, fit_curves, fit_curves_with_progress};

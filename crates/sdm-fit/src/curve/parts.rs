@@ -16,6 +16,8 @@ const ISOLATED: f64 = 2.5;
 const PART: f64 = 0.03;
 const FEWEST: usize = 3;
 const STRAY: f64 = 0.1;
+/// How much wider than usual gaps are those between several curves: what is little more is rather a gap of one curve.
+const SPLIT: f64 = 1.3;
 /// Gap between the ends of a path, in units of its longest step, up to which it is closed.
 const RING: f64 = 2.0;
 /// Cosine of a turn that is a spike if what it leads to is far away, in units of most steps.
@@ -77,8 +79,7 @@ pub(super) fn chains<const D: usize>(
     let mean = forest.iter().map(|e| e.2).sum::<f64>() / forest.len().max(1) as f64;
     // As far apart as random points are.
     let cap = asked.gap.unwrap_or(0.0).max(mean * (RANDOM + (nodes.len() as f64).ln()));
-    let tour: Vec<SVector<f64, D>> =
-        short_tour(&nodes, &near, cap).into_iter().map(|i| nodes[i]).collect();
+    let tour: Vec<SVector<f64, D>> = short_tour(&nodes, &near, cap).into_iter().map(|i| nodes[i]).collect();
     let mut tour = without_spikes(tour, true);
     if asked.outliers {
         for _ in 0..DETOURS {
@@ -104,8 +105,7 @@ pub(super) fn chains<const D: usize>(
 /// Chains through nodes in their order.
 pub(super) fn in_order<const D: usize>(nodes: Vec<SVector<f64, D>>, asked: Asked) -> Parts<D> {
     let nodes = without_spikes(nodes, false);
-    let gaps: Vec<f64> =
-        (0..nodes.len()).map(|k| (nodes[(k + 1) % nodes.len()] - nodes[k]).norm()).collect();
+    let gaps: Vec<f64> = (0..nodes.len()).map(|k| (nodes[(k + 1) % nodes.len()] - nodes[k]).norm()).collect();
     cut(nodes, &gaps, 0.0, asked, true)
 }
 
@@ -183,7 +183,8 @@ fn without_overlap<const D: usize>(path: &mut Path<D>, reach: f64) {
         path.nodes.reverse();
         let n = path.nodes.len();
         let doubled = |k: usize| {
-            let next = if k + 1 < n { path.nodes[k + 1] - path.nodes[k] } else { path.nodes[k] - path.nodes[k - 1] };
+            let next =
+                if k + 1 < n { path.nodes[k + 1] - path.nodes[k] } else { path.nodes[k] - path.nodes[k - 1] };
             (0..k.saturating_sub(NEXT)).any(|j| {
                 let way = path.nodes[j + 1] - path.nodes[j];
                 let parallel = way.dot(&next).abs() > PARALLEL * way.norm() * next.norm();
@@ -262,7 +263,11 @@ fn cut<const D: usize>(
     let second = others.fold(0.0, f64::max);
     let by_gaps = asked.gap.unwrap_or_else(|| gap_limit(gaps) + slack);
     // Where it is asked for, it is one chain.
-    let limit = if asked.closed.is_some() { f64::INFINITY } else { by_gaps };
+    let limit = match asked {
+        Asked { closed: Some(_), .. } => f64::INFINITY,
+        Asked { gap: Some(gap), .. } => gap,
+        _ => SPLIT * by_gaps,
+    };
     let cuts: Vec<usize> = (0..n).filter(|&k| gaps[k] > limit).collect();
     if cuts.len() > MOST {
         return Parts { paths: Vec::new(), turn: std::f64::consts::PI, lanes: true };

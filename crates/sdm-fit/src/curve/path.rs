@@ -221,7 +221,11 @@ pub(super) fn through<const D: usize>(points: &[SVector<f64, D>], asked: Asked) 
         if stray > STRAY || found.turn > TURNS[2] || found.lanes || found.paths.is_empty() {
             continue;
         }
-        found.paths.iter_mut().filter(|path| !path.is_closed()).for_each(|path| reach_ends(path, &drawn, radius));
+        found
+            .paths
+            .iter_mut()
+            .filter(|path| !path.is_closed())
+            .for_each(|path| reach_ends(path, &drawn, radius));
         if is_good(&found, TURNS[1]) {
             return Some(found.paths);
         }

@@ -233,7 +233,11 @@ impl CurveReport {
                 number(&bare.from),
                 number(&bare.to),
                 place(&bare.place),
-                if coverage.bare.len() > 1 { format!(", and {} other parts", coverage.bare.len() - 1) } else { String::new() }
+                if coverage.bare.len() > 1 {
+                    format!(", and {} other parts", coverage.bare.len() - 1)
+                } else {
+                    String::new()
+                }
             ));
         }
         Some(format!(

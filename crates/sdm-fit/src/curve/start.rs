@@ -83,7 +83,9 @@ impl<const D: usize> Layout<D> {
         }
         let mut paths = paths(points, options);
         if paths.len() > 1 {
-            return Err(Error::SeveralParts { sizes: members(points, &paths).iter().map(Vec::len).collect() });
+            return Err(Error::SeveralParts {
+                sizes: members(points, &paths).iter().map(Vec::len).collect(),
+            });
         }
         let path = paths.pop();
         let kind = match &path {

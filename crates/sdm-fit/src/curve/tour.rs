@@ -228,8 +228,11 @@ impl<const D: usize> Tour<'_, D> {
                         let loss = self.cost(&other) - self.cost(&[cc, c, d, dd]);
                         if loss < gain - LESS * (loss.abs() + gain.abs()) {
                             let behind = if step == 1 { c } else { d };
-                            let segment: Vec<usize> =
-                                if step == 1 { segment.clone() } else { segment.iter().rev().copied().collect() };
+                            let segment: Vec<usize> = if step == 1 {
+                                segment.clone()
+                            } else {
+                                segment.iter().rev().copied().collect()
+                            };
                             self.put(&segment, behind);
                             return true;
                         }

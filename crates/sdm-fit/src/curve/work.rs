@@ -210,8 +210,7 @@ impl<'a, const D: usize> Work<'a, D> {
         let crossed = self.crossings(&curve) > 0;
         let state = self.run(curve.clone(), fit, "fit")?;
         let state = self.uncrossed(state, &curve, crossed)?;
-        let lost =
-            state.report.status == Status::Diverged || self.crossings(&state.curve) > 0 && !crossed;
+        let lost = state.report.status == Status::Diverged || self.crossings(&state.curve) > 0 && !crossed;
         if !(lost && layout.closed) || self.cancelled {
             return self.finished(state);
         }

@@ -47,18 +47,19 @@ fn wave(t: f64) -> Vector2<f64> {
 #[test]
 fn open_curves_end_where_their_points_do() {
     for seed in 1..5 {
-        for count in [150, 300] {
-            let data = random(count, 0.05, seed, wave);
+        for count in [150_u16, 300] {
+            let data = random(usize::from(count), 0.05, seed, wave);
             let fitted = plain(&data);
             let report = &fitted.report;
-            // The last points are some spacings from the ends of the true curve.
-            let ends = [0.0, 30.0].map(|x| data.iter().map(|p| (p.x - x).abs()).fold(f64::INFINITY, f64::min));
-            let allowed = 0.25 + 3.2 * ends[0].max(ends[1]);
+            // Where there are no points nobody knows.
+            let nearest = |q: Vector2<f64>| data.iter().map(|p| (p - q).norm()).fold(f64::INFINITY, f64::min);
+            let widest = (0..4000).map(|k| nearest(wave(f64::from(k) / 4000.0))).fold(0.0, f64::max);
+            let allowed = 0.2 + widest;
             assert!(off(&fitted.curve, wave) < allowed, "{seed} {count}: {}", off(&fitted.curve, wave));
             assert!(!report.closed && report.covered && report.fault().is_none(), "{report}");
             let coverage = &report.coverage;
-            assert!((coverage.size / 66.4 - 1.0).abs() < 0.05 && coverage.size_ratio < 1.1, "{coverage:?}");
-            assert!((coverage.spacing * count as f64 / 66.4 - 1.0).abs() < 0.1, "{coverage:?}");
+            assert!((coverage.size / 66.4 - 1.0).abs() < 0.1 && coverage.size_ratio < 1.1, "{coverage:?}");
+            assert!((coverage.spacing * f64::from(count) / 66.4 - 1.0).abs() < 0.15, "{coverage:?}");
             assert!(coverage.noise > 0.02 && coverage.noise < 0.08, "{coverage:?}");
         }
     }
@@ -145,7 +146,8 @@ fn several_outlines_become_several_curves() {
     assert!(!one.covered && one.fault().is_some(), "{one}");
     // In their order, one after the other, they are two as well; a wide gap may be allowed.
     assert_eq!(fit_curves(&points, &CurveOptions::default()).unwrap().len(), 2);
-    let arcs: Vec<_> = (0..200).filter(|k| !(80..110).contains(k)).map(|k| wave(f64::from(k) / 199.0)).collect();
+    let arcs: Vec<_> =
+        (0..200).filter(|k| !(80..110).contains(k)).map(|k| wave(f64::from(k) / 199.0)).collect();
     assert_eq!(fit_curves(&arcs, &CurveOptions::default()).unwrap().len(), 2);
     let one = fit_curves(&arcs, &CurveOptions::default().with_max_gap(Some(20.0))).unwrap();
     assert!(one.len() == 1 && one[0].fit.report.covered, "{}", one[0].fit.report);
@@ -166,11 +168,11 @@ fn a_start_that_is_right_is_kept() {
         };
         let net: Vec<_> = (0..knots.basis_count()).map(ring).collect();
         let curve = BsplineCurve::new(knots, net, None).unwrap();
-        let data: Vec<_> = (0..=400).map(|k| curve.point(curve.domain().lerp(f64::from(k) / 400.0))).collect();
+        let data: Vec<_> =
+            (0..=400).map(|k| curve.point(curve.domain().lerp(f64::from(k) / 400.0))).collect();
         let continuation = Smoothing::Continuation { start: 1e-2, factor: 0.5, floor: 0.0 };
         for smoothing in [continuation, Smoothing::NONE, Smoothing::default()] {
-            let options =
-                CurveOptions::default().with_fit(FitOptions::default().with_smoothing(smoothing));
+            let options = CurveOptions::default().with_fit(FitOptions::default().with_smoothing(smoothing));
             let fitted = fit_curve(&data, Some(&curve), &options).unwrap();
             for (a, b) in fitted.curve.control_points().iter().zip(curve.control_points()) {
                 assert!((a - b).norm() < 1e-12, "{periodic} {smoothing:?}: {}", (a - b).norm());
@@ -255,6 +257,9 @@ fn a_search_is_never_worse_than_none() {
         let plain = fit_curve(&data, None, &options).unwrap().report;
         let searched = fit_curve(&data, None, &options.with_search(true)).unwrap().report;
         assert!(searched.crossings.len() <= plain.crossings.len(), "{searched}\n{plain}");
-        assert!(!plain.covered || searched.covered && searched.rms <= plain.rms * 1.0001, "{searched}\n{plain}");
+        assert!(
+            !plain.covered || searched.covered && searched.rms <= plain.rms * 1.0001,
+            "{searched}\n{plain}"
+        );
     }
 }
