@@ -7,7 +7,7 @@ mod curve;
 mod gaps;
 
 pub(crate) use curve::{Limits, of_curve};
-pub(crate) use gaps::{gap_limit, usual_gap};
+pub(crate) use gaps::{gap_limit, gap_limits, usual_gap};
 
 /// A shape seen from its data, and the data from the shape.
 #[derive(Clone, Debug, Default, PartialEq)]

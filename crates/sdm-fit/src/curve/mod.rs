@@ -11,6 +11,7 @@ mod fit;
 mod front;
 mod improve;
 mod judge;
+mod nodes;
 mod options;
 mod parts;
 mod path;

@@ -3,7 +3,7 @@
 use super::path::Path;
 use super::tour::{cost, neighbours, short_tour};
 use super::tree::{Groups, shortest_forest};
-use crate::coverage::gap_limit;
+use crate::coverage::gap_limits;
 use distance_field::quantile_in_place;
 use nalgebra::SVector;
 
@@ -20,6 +20,8 @@ const STRAY: f64 = 0.1;
 const SPLIT: f64 = 1.3;
 /// Gap between the ends of a path, in units of its longest step, up to which it is closed.
 const RING: f64 = 2.0;
+/// Length of a ring in units of the gap between its ends that is none.
+const AROUND: f64 = 3.0;
 /// Cosine of a turn that is a spike if what it leads to is far away, in units of most steps.
 const SPIKE: f64 = -0.3;
 const FAR: f64 = 1.5;
@@ -261,14 +263,27 @@ fn cut<const D: usize>(
     let widest = (0..n).max_by(|&a, &b| gaps[a].total_cmp(&gaps[b]).then(b.cmp(&a))).unwrap_or(0);
     let others = (0..n).filter(|&k| k != widest).map(|k| gaps[k]);
     let second = others.fold(0.0, f64::max);
-    let by_gaps = asked.gap.unwrap_or_else(|| gap_limit(gaps) + slack);
+    let [largest, next] = gap_limits(gaps).map(|limit| asked.gap.unwrap_or(limit + slack));
+    let by_gaps = largest;
     // Where it is asked for, it is one chain.
     let limit = match asked {
         Asked { closed: Some(_), .. } => f64::INFINITY,
         Asked { gap: Some(gap), .. } => gap,
         _ => SPLIT * by_gaps,
     };
-    let cuts: Vec<usize> = (0..n).filter(|&k| gaps[k] > limit).collect();
+    let wide: Vec<usize> = (0..n).filter(|&k| gaps[k] > limit.min(next)).collect();
+    let cuts = if wide.len() > MOST || asked.closed.is_some() {
+        (0..n).filter(|&k| gaps[k] > limit).collect()
+    } else {
+        // Several gaps that a single one might be leave a ring alone, if there is one between them.
+        let pieces = between(&nodes, &wide);
+        let ring: Vec<bool> = pieces.iter().map(|piece| is_ring(piece, next)).collect();
+        let apart = |&i: &usize| {
+            let alone = ring[i] || ring[(i + wide.len() - 1) % wide.len()];
+            gaps[wide[i]] > limit || wide.len() > 1 && alone
+        };
+        (0..wide.len()).filter(apart).map(|i| wide[i]).collect::<Vec<usize>>()
+    };
     if cuts.len() > MOST {
         return Parts { paths: Vec::new(), turn: std::f64::consts::PI, lanes: true };
     }
@@ -289,13 +304,8 @@ fn cut<const D: usize>(
         let path = Path { nodes, gap: around, gap_limit: ring, ordered };
         return Parts { paths: vec![path], turn, lanes };
     }
-    let mut pieces: Vec<Vec<SVector<f64, D>>> = Vec::new();
-    for (k, &c) in cuts.iter().enumerate() {
-        let end = cuts[(k + 1) % cuts.len()];
-        let count = (end + n - c - 1) % n + 1;
-        pieces.push((1..=count).map(|i| nodes[(c + i) % n]).collect());
-    }
-    join(&mut pieces, limit);
+    let mut pieces = between(&nodes, &cuts);
+    join(&mut pieces, limit, next);
     let fewest = least(n);
     pieces.retain(|piece| piece.len() >= fewest.max(4));
     let (turn, lanes) = (median_turn(&pieces), lanes(&pieces));
@@ -306,15 +316,30 @@ fn cut<const D: usize>(
     Parts { paths: pieces.into_iter().map(path).collect(), turn, lanes }
 }
 
+/// What is between the cuts of a closed tour, the piece behind each.
+fn between<const D: usize>(nodes: &[SVector<f64, D>], cuts: &[usize]) -> Vec<Vec<SVector<f64, D>>> {
+    let n = nodes.len();
+    let piece = |(k, &cut): (usize, &usize)| {
+        let end = cuts[(k + 1) % cuts.len()];
+        let count = (end + n - cut - 1) % n + 1;
+        (1..=count).map(|i| nodes[(cut + i) % n]).collect()
+    };
+    cuts.iter().enumerate().map(piece).collect()
+}
+
+/// Whether the ends of a piece are near to each other, and the way around is much longer than that.
+fn is_ring<const D: usize>(piece: &[SVector<f64, D>], limit: f64) -> bool {
+    let length: f64 = piece.windows(2).map(|p| (p[1] - p[0]).norm()).sum();
+    piece.len() > FEWEST && (piece[0] - piece[piece.len() - 1]).norm() <= limit && length >= AROUND * limit
+}
+
 /// Joins pieces whose ends are as near to each other as neighbours, the nearest first, unless a piece is closed itself.
-fn join<const D: usize>(pieces: &mut Vec<Vec<SVector<f64, D>>>, limit: f64) {
-    let span = |piece: &[SVector<f64, D>]| (piece[0] - piece[piece.len() - 1]).norm();
+fn join<const D: usize>(pieces: &mut Vec<Vec<SVector<f64, D>>>, limit: f64, next: f64) {
     loop {
         let mut best: Option<(f64, usize, usize, bool, bool)> = None;
         for i in 0..pieces.len() {
             for j in i + 1..pieces.len() {
-                let closed = |k: usize| pieces[k].len() > 3 && span(&pieces[k]) <= limit;
-                if closed(i) || closed(j) {
+                if is_ring(&pieces[i], next) || is_ring(&pieces[j], next) {
                     continue;
                 }
                 for (first, second) in [(false, false), (false, true), (true, false), (true, true)] {

@@ -1,19 +1,18 @@
 //! A polygon along a cloud: from the order of its points, or from their places alone.
 
 use super::crossing::plane;
+use super::nodes::{dense, draw, roundness, supported, thin};
 use super::parts::{Asked, Parts, chains, in_order};
 use crate::parallel;
 use distance_field::quantile_in_place;
 use mesh_core::CloudIndex;
-use nalgebra::{DMatrix, Point, SVector, Vector2};
+use nalgebra::{Point, SVector, Vector2};
 use std::cmp::Ordering;
 
 /// Points taken for a path at most.
 const MOST: usize = 4000;
 /// Numbers of neighbours tried for it.
 const NEIGHBOURS: [usize; 11] = [6, 10, 16, 25, 40, 63, 100, 160, 250, 400, 630];
-/// Passes that draw points to the local line.
-const PASSES: usize = 4;
 /// Share of the points that may lie off the path.
 const STRAY: f64 = 0.1;
 /// Steps between consecutive points of an ordered cloud, as a share of the distance of points half a cloud apart.
@@ -28,23 +27,12 @@ const TURNS: [f64; 3] = [0.5, 0.6, 1.0];
 const ZIGZAG: f64 = 1.1;
 /// Parts into which points in their order may fall.
 const PARTS: usize = 12;
-/// Width of a neighbourhood as a share of its length up to which its direction is that of its main axis, and beyond which no curve is to be seen, first
-/// and, if there is no path then, at last.
-const NARROW: f64 = 0.3;
+/// Width of a neighbourhood as a share of its length beyond which no curve is to be seen, first and, if there is no path then, at last.
 const ROUND: [f64; 2] = [0.35, 0.45];
-/// Directions tried where branches cross, and width of the band about them as a share of the neighbourhood.
-const DIRECTIONS: usize = 24;
-const BAND: f64 = 0.2;
-/// Neighbours in whose reach a point must have others in line with it, fewest points for that, and share of those that may have none.
-const SUPPORT: usize = 8;
-const FEW: usize = 60;
-const OFF: f64 = 0.12;
-/// How many others are in line with a point at least, as a share of the median.
-const IN_LINE: f64 = 0.35;
+/// Wider neighbourhoods that are tried where there are several paths.
+const WIDER: usize = 2;
 /// Edges of a path that are nearly next to each other.
 const NEXT: usize = 6;
-/// Points that a node stands for at least, as a share of the median.
-const SPARSE: f64 = 0.25;
 
 /// A polygon along the data.
 #[derive(Clone, Debug, PartialEq)]
@@ -196,6 +184,7 @@ pub(super) fn through<const D: usize>(points: &[SVector<f64, D>], asked: Asked) 
     let index = CloudIndex::new(&places).ok()?;
     // The best of what is not good, if nothing is.
     let mut second: Option<(f64, Vec<Path<D>>)> = None;
+    let (mut several, mut tried): (Option<Vec<Path<D>>>, usize) = (None, 0);
     for (round, count) in ROUND.into_iter().flat_map(|round| NEIGHBOURS.map(|count| (round, count))) {
         if count > (sample.len() / 3).max(NEIGHBOURS[0]) {
             continue;
@@ -227,46 +216,26 @@ pub(super) fn through<const D: usize>(points: &[SVector<f64, D>], asked: Asked) 
             .filter(|path| !path.is_closed())
             .for_each(|path| reach_ends(path, &drawn, radius));
         if is_good(&found, TURNS[1]) {
-            return Some(found.paths);
+            if found.paths.len() == 1 {
+                return Some(found.paths);
+            }
+            // Points that hardly show a path may show two where there is one that a little more width makes out.
+            several.get_or_insert(found.paths);
+            tried += 1;
+            if tried > WIDER {
+                return several;
+            }
+            continue;
         }
         if second.as_ref().is_none_or(|other| found.turn < other.0) {
             second = Some((found.turn, found.paths));
         }
     }
-    second.map(|found| found.1)
+    several.or(second.map(|found| found.1))
 }
 
 fn is_good<const D: usize>(found: &Parts<D>, turn: f64) -> bool {
     !found.paths.is_empty() && !found.lanes && found.turn <= turn
-}
-
-/// The points but for those through which there is no line along which as many neighbours lie as for others, if these are few.
-fn supported<const D: usize>(sample: Vec<SVector<f64, D>>) -> Vec<SVector<f64, D>> {
-    let places: Vec<Point<f64, D>> = sample.iter().copied().map(Point::from).collect();
-    let Ok(index) = CloudIndex::new(&places) else { return sample };
-    let mut reach =
-        index.map_nearest_n(&places, SUPPORT + 1, |_, near| near.last().map_or(0.0, |n| n.distance()));
-    let radius = quantile_in_place(&mut reach, 0.5);
-    if sample.len() < FEW || !(radius > 0.0) {
-        return sample;
-    }
-    let band = BAND * radius;
-    let counts = parallel::tasks(sample.len(), |i| {
-        let near = index.within(&places[i], radius);
-        let others: Vec<SVector<f64, D>> =
-            near.iter().filter(|n| n.index != i).map(|n| sample[n.index] - sample[i]).collect();
-        let stride = others.len().div_ceil(DIRECTIONS).max(1);
-        let along = others.iter().step_by(stride).filter_map(|p| p.try_normalize(0.0)).map(|way| {
-            others.iter().filter(|p| (*p - way * way.dot(p)).norm_squared() < band * band).count()
-        });
-        (along.max().unwrap_or(0), others.len())
-    });
-    let mut sorted: Vec<f64> = counts.iter().map(|c| c.0 as f64).collect();
-    let few = IN_LINE * quantile_in_place(&mut sorted, 0.5);
-    let stands = |&(along, all): &(usize, usize)| all > 1 && (along as f64 >= few || 2 * along >= all);
-    let kept: Vec<SVector<f64, D>> =
-        sample.iter().zip(&counts).filter(|(_, count)| stands(count)).map(|(p, _)| *p).collect();
-    if (sample.len() - kept.len()) as f64 <= OFF * sample.len() as f64 { kept } else { sample }
 }
 
 /// Share of the points that are further from all paths than a distance; than a step of the path, if none is given.
@@ -278,31 +247,6 @@ fn strays<const D: usize>(paths: &[Path<D>], points: &[SVector<f64, D>], far: Op
     });
     let stray = parallel::map(points.len(), |i| paths.iter().all(|path| path.distance(&points[i]) > far));
     stray.iter().filter(|s| **s).count() as f64 / points.len().max(1) as f64
-}
-
-/// Median of the widths of neighbourhoods as shares of their lengths.
-fn roundness<const D: usize>(index: &CloudIndex<D>, sample: &[SVector<f64, D>], radius: f64) -> f64 {
-    let stride = sample.len().div_ceil(SCATTERED).max(1);
-    let some: Vec<&SVector<f64, D>> = sample.iter().step_by(stride).collect();
-    let mut shares = parallel::tasks(some.len(), |i| {
-        let near = index.within(&Point::from(*some[i]), radius);
-        local_line(sample, &near, radius).map_or(1.0, |line| line.2)
-    });
-    quantile_in_place(&mut shares, 0.5)
-}
-
-/// Nodes that stand for about as many points as others.
-fn dense<const D: usize>(
-    drawn: &[SVector<f64, D>],
-    nodes: Vec<SVector<f64, D>>,
-    radius: f64,
-) -> Vec<SVector<f64, D>> {
-    let places: Vec<Point<f64, D>> = drawn.iter().copied().map(Point::from).collect();
-    let Ok(index) = CloudIndex::new(&places) else { return nodes };
-    let counts = parallel::map(nodes.len(), |i| index.within(&Point::from(nodes[i]), radius).len());
-    let mut sorted: Vec<f64> = counts.iter().map(|c| *c as f64).collect();
-    let median = quantile_in_place(&mut sorted, 0.5);
-    nodes.into_iter().zip(counts).filter(|(_, count)| *count as f64 >= SPARSE * median).map(|n| n.0).collect()
 }
 
 /// Lengthens a path at its ends to where the points end.
@@ -321,118 +265,6 @@ fn reach_ends<const D: usize>(path: &mut Path<D>, drawn: &[SVector<f64, D>], rad
             path.nodes.push(end + way * furthest);
         }
     }
-}
-
-/// Points drawn to the line through their neighbourhoods, a few times; where branches cross, to the line of the branch they are on.
-fn draw<const D: usize>(
-    index: &CloudIndex<D>,
-    sample: &[SVector<f64, D>],
-    radius: f64,
-) -> Vec<SVector<f64, D>> {
-    parallel::tasks(sample.len(), |i| {
-        let mut x = sample[i];
-        for _ in 0..PASSES {
-            let near = index.within(&Point::from(x), radius);
-            let Some((mut centre, mut direction, width)) = local_line(sample, &near, radius) else { break };
-            if width > NARROW {
-                (centre, direction) = branch(sample, &near, &x, radius);
-            }
-            x = centre + direction * direction.dot(&(x - centre));
-        }
-        x
-    })
-}
-
-/// The line through a point along which most neighbours lie, moved to where they do.
-fn branch<const D: usize>(
-    sample: &[SVector<f64, D>],
-    near: &[mesh_core::Neighbour],
-    x: &SVector<f64, D>,
-    radius: f64,
-) -> (SVector<f64, D>, SVector<f64, D>) {
-    let band = BAND * radius;
-    let weight = |p: &SVector<f64, D>, origin: &SVector<f64, D>, way: &SVector<f64, D>| {
-        let away = p - origin;
-        let across = (away - way * way.dot(&away)).norm_squared() / (band * band);
-        if across < 1.0 { (1.0 - across).powi(2) } else { 0.0 }
-    };
-    let outer: Vec<&SVector<f64, D>> =
-        near.iter().map(|n| &sample[n.index]).filter(|p| (*p - x).norm() > 0.4 * radius).collect();
-    let stride = outer.len().div_ceil(DIRECTIONS).max(1);
-    let mut best = (0.0, SVector::zeros());
-    for p in outer.iter().step_by(stride) {
-        let Some(way) = (*p - x).try_normalize(0.0) else { continue };
-        let sum: f64 = near.iter().map(|n| weight(&sample[n.index], x, &way)).sum();
-        if sum > best.0 {
-            best = (sum, way);
-        }
-    }
-    let (mut origin, mut way) = (*x, best.1);
-    for _ in 0..2 {
-        let weights: Vec<f64> = near.iter().map(|n| weight(&sample[n.index], &origin, &way)).collect();
-        let Some((centre, direction, _)) = moments(sample, near, &weights) else { break };
-        (origin, way) = (centre, direction);
-    }
-    (origin, way)
-}
-
-/// The line of least squares through a neighbourhood: its centre, its direction, and its width as a share of its length.
-fn local_line<const D: usize>(
-    sample: &[SVector<f64, D>],
-    near: &[mesh_core::Neighbour],
-    radius: f64,
-) -> Option<(SVector<f64, D>, SVector<f64, D>, f64)> {
-    let weight = |n: &mesh_core::Neighbour| (1.0 - n.distance_sq / (radius * radius)).max(0.0).powi(2);
-    let weights: Vec<f64> = near.iter().map(weight).collect();
-    moments(sample, near, &weights)
-}
-
-fn moments<const D: usize>(
-    sample: &[SVector<f64, D>],
-    near: &[mesh_core::Neighbour],
-    weights: &[f64],
-) -> Option<(SVector<f64, D>, SVector<f64, D>, f64)> {
-    let total: f64 = weights.iter().sum();
-    if near.len() < 3 || total <= 0.0 {
-        return None;
-    }
-    let pairs = || near.iter().zip(weights);
-    let centre = pairs().map(|(n, w)| sample[n.index] * *w).sum::<SVector<f64, D>>() / total;
-    let mut moments = DMatrix::zeros(D, D);
-    for (n, weight) in pairs() {
-        let r = sample[n.index] - centre;
-        for a in 0..D {
-            for b in 0..D {
-                moments[(a, b)] += weight * r[a] * r[b];
-            }
-        }
-    }
-    let (direction, values) = principal(moments)?;
-    let [first, second] = [0, 1].map(|k| values.get(k).copied().unwrap_or(0.0).max(0.0));
-    Some((centre, direction, if first > 0.0 { (second / first).sqrt() } else { 1.0 }))
-}
-
-/// The eigenvector of the largest eigenvalue of a symmetric matrix, and all eigenvalues in decreasing order.
-pub(crate) fn principal<const D: usize>(moments: DMatrix<f64>) -> Option<(SVector<f64, D>, Vec<f64>)> {
-    if moments.iter().any(|x| !x.is_finite()) {
-        return None;
-    }
-    let eigen = moments.symmetric_eigen();
-    let direction = SVector::from_fn(|i, _| eigen.eigenvectors[(i, eigen.eigenvalues.imax())]);
-    let mut values: Vec<f64> = eigen.eigenvalues.iter().copied().collect();
-    values.sort_by(|a, b| b.total_cmp(a));
-    Some((direction, values))
-}
-
-/// Points of which no two are nearer than `spacing`, by first come.
-fn thin<const D: usize>(points: &[SVector<f64, D>], spacing: f64) -> Vec<SVector<f64, D>> {
-    let mut out: Vec<SVector<f64, D>> = Vec::new();
-    for p in points {
-        if out.iter().all(|q| (p - q).norm() >= spacing) {
-            out.push(*p);
-        }
-    }
-    out
 }
 
 #[cfg(test)]

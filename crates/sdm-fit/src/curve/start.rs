@@ -1,9 +1,10 @@
 //! Curves to start from.
 
 use super::front;
+use super::nodes::principal;
 use super::options::CurveOptions;
 use super::parts::Asked;
-use super::path::{Path, along_order, is_ordered, principal, through};
+use super::path::{Path, along_order, is_ordered, through};
 use super::report::{Closure, CurveStart};
 use crate::Error;
 use crate::options::Robust;

@@ -27,7 +27,7 @@ pub(super) fn neighbours<const D: usize>(points: &[SVector<f64, D>]) -> Option<V
 
 /// A closed tour through points, no two of them equal, that is short and straight: an edge costs its length, but no more than `cap`, a turn
 /// what it bends between edges that are not longer than that. Edges are taken from the shortest one up, what they leave apart is
-/// joined, and pairs of edges exchanged (2-opt) or few points moved (Or-opt) as long as that lowers the cost.
+/// joined, and pairs of edges exchanged (2-opt), few points moved or stretches exchanged (Or-opt, 3-opt) as long as that lowers the cost.
 ///
 /// Through points on a curve it follows the curve, also where that is narrow, where a tree of shortest edges would pass from one side
 /// to the other, and straight across itself. Where the curve has ends or falls into parts, edges longer than `cap` remain.
@@ -161,16 +161,68 @@ impl<const D: usize> Tour<'_, D> {
         if n < 8 {
             return;
         }
+        let mut idle = 0;
         for _ in 0..PASSES {
             let mut improved = false;
             for a in 0..n {
                 improved |= self.exchange(a);
                 improved |= self.shift(a);
+                improved |= self.swap(a);
             }
-            if !improved {
+            // The last kind of change looks ahead only: once more the other way round.
+            idle = if improved { 0 } else { idle + 1 };
+            if idle == 2 {
                 break;
             }
+            self.order.reverse();
+            self.number();
         }
+    }
+
+    /// Exchanges the stretch behind a point and one that comes later, turning the former round or not, if that is better: what no exchange of
+    /// two edges does without a loss on the way.
+    fn swap(&mut self, a: usize) -> bool {
+        let n = self.order.len();
+        let b = self.from(a, 1);
+        let first = (self.points[a] - self.points[b]).norm().min(self.cap);
+        let behind = |x: usize| (self.place[x] + n - self.place[a]) % n;
+        for &c in self.near[a].iter().take_while(|&&c| (self.points[a] - self.points[c]).norm() < first) {
+            if behind(c) < 2 {
+                continue;
+            }
+            let d = self.from(c, -1);
+            for (end, other) in [(d, b), (b, d)] {
+                for &e in &self.near[end] {
+                    if behind(e) < behind(c) || e == a {
+                        continue;
+                    }
+                    let f = self.from(e, 1);
+                    let [aa, bb, dd] = [self.from(a, -1), self.from(b, 1), self.from(d, -1)];
+                    let [cc, ee, ff] = [self.from(c, 1), self.from(e, -1), self.from(f, 1)];
+                    let beyond = |x: usize| if x == b { bb } else { dd };
+                    let old =
+                        self.cost(&[aa, a, b, bb]) + self.cost(&[dd, d, c, cc]) + self.cost(&[ee, e, f, ff]);
+                    let new = self.cost(&[aa, a, c, cc])
+                        + self.cost(&[ee, e, end, beyond(end)])
+                        + self.cost(&[beyond(other), other, f, ff]);
+                    // Stretches of one point have no inner edge.
+                    if b == d || c == e || f == a || new >= old - LESS * (old + new) {
+                        continue;
+                    }
+                    let (turned, middle, last) = (end == d, behind(c), behind(e));
+                    self.order.rotate_left(self.place[a]);
+                    let mut stretch: Vec<usize> = self.order[1..middle].to_vec();
+                    if turned {
+                        stretch.reverse();
+                    }
+                    let later: Vec<usize> = self.order[middle..=last].to_vec();
+                    self.order.splice(1..=last, later.into_iter().chain(stretch));
+                    self.number();
+                    return true;
+                }
+            }
+        }
+        false
     }
 
     /// Exchanges an edge at a point and another one for two others, if that is better.
