@@ -107,7 +107,7 @@ fn what_is_not_the_kind_of_surface_is_no_success() {
         ("tube.xyz", 0, ""),
     ] {
         let run = bench
-            .run(&format!("fit-surface {arguments} -o out.json --control-points 8x8 --max-iterations 6"));
+            .run(&format!("fit-surface {arguments} -o out.json --control-points 8x8 --max-iterations 40"));
         assert_eq!(run.code, code, "{arguments}: {}{}", run.stdout, run.stderr);
         assert!(run.stderr.contains(message), "{arguments}: {}", run.stderr);
     }
