@@ -120,7 +120,7 @@ pub fn measurable(points: &[Vector3<f64>]) -> Result<Vec<bool>, Error> {
         }
     }
     let size =
-        points.iter().zip(&belongs).filter(|(_, b)| **b).map(|(p, _)| 2.0 * distance(p)).fold(0.0, f64::max);
+        points.iter().zip(&belongs).filter(|(_, b)| **b).map(|(p, _)| 4.0 * distance(p)).fold(0.0, f64::max);
     if size > 0.0 && !(SIZES[0]..=SIZES[1]).contains(&size) {
         return Err(Error::Magnitude { size, least: SIZES[0], most: SIZES[1] });
     }

@@ -349,18 +349,34 @@ pub(super) fn conic_starts(points: &[Vector3<f64>], asked: BaseShape) -> Result<
 fn primitives(points: &[Vector3<f64>], shape: BaseShape) -> Vec<BsplineSurface> {
     let options = PrimitiveOptions::default();
     let cylinder = || {
-        let cylinder = fit_cylinder(points, &options).ok()?.shape;
+        let found = fit_cylinder(points, &options).ok()?;
+        let cylinder = found.shape;
         let heights = points.iter().map(|p| cylinder.frame().local(p).z);
         let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), z| (l.min(z), h.max(z)));
         let margin = MARGIN * (high - low);
         let heights = Interval::new(low - margin, high + margin).ok()?;
-        Cylinder::new(*cylinder.frame(), cylinder.radius(), heights).ok()?.to_nurbs().ok()
+        let surface = Cylinder::new(*cylinder.frame(), cylinder.radius(), heights).ok()?.to_nurbs().ok()?;
+        Some((found.rms, surface))
     };
-    let cone = || fit_cone(points, &options).ok()?.shape.to_nurbs().ok();
+    let cone = || {
+        let found = fit_cone(points, &options).ok()?;
+        Some((found.rms, found.shape.to_nurbs().ok()?))
+    };
     let torus = || fit_torus(points, &options).ok()?.shape.to_nurbs().ok();
     match shape {
         BaseShape::Torus => torus().into_iter().collect(),
-        BaseShape::Cylinder => [cylinder(), cone()].into_iter().flatten().collect(),
+        BaseShape::Cylinder => {
+            // A cylinder is a cone, too: only one that is nearer comes first, since its ends are straight.
+            let size = points.iter().map(|p| p.amax()).fold(0.0, f64::max);
+            let mut found: Vec<(f64, BsplineSurface)> = [cylinder(), cone()].into_iter().flatten().collect();
+            if let [(first, _), (second, _)] = found[..]
+                && first > EXACT * size
+                && second < first
+            {
+                found.reverse();
+            }
+            found.into_iter().map(|(_, surface)| surface).collect()
+        }
         BaseShape::Plane | BaseShape::Sphere | BaseShape::Auto => Vec::new(),
     }
 }
