@@ -226,9 +226,12 @@ fn solve(
         None => {}
     }
     if search {
+        // The search knows one scale: where it is unknown, that by the sizes.
+        let growth = if job.options.scale { relative_size(field, cloud) } else { 1.0 };
+        let grown: Vec<Vector3<f64>> = cloud.positions.iter().map(|x| x * growth).collect();
         let oriented = match cloud.normals {
-            Some(normals) => OrientedPoints::new(&cloud.positions, normals),
-            None => OrientedPoints::without_normals(&cloud.positions),
+            Some(normals) => OrientedPoints::new(&grown, normals),
+            None => OrientedPoints::without_normals(&grown),
         };
         let tell = |done: usize, total: usize| progress.part("searching all positions", done, total);
         let samples = model.samples(job.model)?;
@@ -237,7 +240,12 @@ fn solve(
         let found = found
             .map_err(|error| Error::content(job.points, error.to_string(), "check it with `indgeo info`"))?;
         for candidate in found.candidates.iter().take(CANDIDATES) {
-            if is_good(from("search", &candidate.pose)?) {
+            let pose = Pose {
+                scale: candidate.pose.scale * growth,
+                source_origin: candidate.pose.source_origin / growth,
+                ..candidate.pose
+            };
+            if is_good(from("search", &pose)?) {
                 break;
             }
         }
@@ -256,6 +264,14 @@ fn solve(
         (result, equivalent) = verdict::nearest(&group, result, &from, &cloud.positions, again)?;
     }
     Ok(Solution { starts, best, result, equivalent })
+}
+
+/// The size of the model over that of the points; 1 where one of them has none.
+fn relative_size(field: &RegistrationField, cloud: &Cloud<'_>) -> f64 {
+    let finite = cloud.positions.iter().filter(|x| x.iter().all(|c| c.is_finite()));
+    let size = Aabb::of_points(finite).map_or(0.0, |bounds| bounds.diagonal());
+    let ratio = field.diagonal() / size;
+    if ratio.is_finite() && ratio > 0.0 { ratio } else { 1.0 }
 }
 
 fn register(

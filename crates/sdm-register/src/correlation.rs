@@ -15,8 +15,8 @@ const PER_LAG: usize = 3000;
 /// Growth of the lags, and of the distances of one class of pairs to the next.
 const LAGS: f64 = 1.3;
 const CLASSES: f64 = 1.3;
-/// Fewest pairs of a class.
-const PAIRS: usize = 60;
+/// Fewest pairs of a class: with fewer, chance would end the sum where it begins.
+const PAIRS: usize = 400;
 /// Standard errors of a mean of independent products below which the nearest class says nothing, and those below which a later one
 /// ends the sum: what is left out makes the covariance too small.
 const SIGNIFICANT: f64 = 3.5;

@@ -100,6 +100,21 @@ fn scales_from_a_thousandth_to_a_thousand_come_back() {
     }
 }
 
+#[test]
+fn a_scan_in_another_unit_is_found_from_any_rotation() {
+    let bench = Bench::new();
+    bench.put("patch.json", patch());
+    for (scale, degrees) in [(25.4, 140.0), (0.001, 200.0)] {
+        let points = (0..800).map(|k| on_patch(0.02 + 0.96 * unit(2 * k), 0.02 + 0.96 * unit(2 * k + 1)));
+        let shift = [7.0 * scale, -3.0 * scale, scale];
+        bench.put("scan.xyz", lines(points.map(|x| turned(x, degrees, scale, shift))));
+        let (code, results, said) = registered(&bench, "patch.json scan.xyz --scale");
+        assert_eq!(code, 0, "{scale}: {said}");
+        let found = results["scale"].as_f64().unwrap();
+        assert!((found * scale - 1.0).abs() < 1e-9, "{scale}: {found}");
+    }
+}
+
 /// An L-shaped room seen from above.
 fn room(count: usize, noise: f64, seed: usize) -> Vec<[f64; 3]> {
     let corners = [[0.0, 0.0], [6.0, 0.0], [6.0, 3.0], [4.0, 3.0], [4.0, 5.0], [0.0, 5.0], [0.0, 0.0]];

@@ -82,7 +82,6 @@ struct Tally {
 
 impl Tally {
     fn add(&mut self, what: String) {
-        eprintln!("{what}");
         self.wrong.push(what);
     }
 
@@ -212,7 +211,6 @@ fn views_with_little_in_common_are_placed_or_doubted() {
             let start = away(&other, 3.0, 0.03, &mut random);
             let report = run(&field, &other, &start, &RegisterOptions::default());
             let good = tally.knows(&format!("{degrees} degrees apart"), &report, &other, 5e-3);
-            eprintln!("{degrees} {good} {report} | {}", report.support);
             placed[k] += usize::from(good);
         }
     }
