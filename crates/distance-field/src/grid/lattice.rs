@@ -117,7 +117,9 @@ impl<const D: usize> Lattice<D> {
             let first = ((low[k] - margin - self.low[k]) / spacing[k]).ceil().max(0.0);
             let last = ((high[k] + margin - self.low[k]) / spacing[k]).floor();
             let most = (self.counts[k] - 1) as f64;
-            if first > most || last < 0.0 || !(first <= last) {
+            // Not so for NaN either.
+            let is_some = first <= most && last >= 0.0 && first <= last;
+            if !is_some {
                 return None;
             }
             out[k] = [first, last.min(most)].map(to_index);

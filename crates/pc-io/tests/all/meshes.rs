@@ -298,7 +298,7 @@ fn ptx_scans_are_put_at_their_poses() {
     let loaded = load("a.txt", (first.clone() + &second).as_bytes()).unwrap();
     assert_eq!(loaded.report.format, Format::Ptx);
     assert!(
-        loaded.report.warnings.iter().any(|warning| warning.starts_with("2 places")),
+        loaded.report.warnings.iter().any(|warning| warning.starts_with("left out: 2 places")),
         "{}",
         loaded.report
     );

@@ -8,7 +8,7 @@ mod gaps;
 mod surface;
 
 pub(crate) use curve::{Limits, of_curve};
-pub(crate) use gaps::{gap_limit, gap_limits, usual_gap};
+pub(crate) use gaps::{gap_limit, usual_gap};
 pub use surface::SurfaceCoverage;
 pub(crate) use surface::noise_of;
 

@@ -3,7 +3,7 @@
 use super::path::Path;
 use super::tour::{cost, neighbours, short_tour};
 use super::tree::{Groups, shortest_forest};
-use crate::coverage::gap_limits;
+use crate::coverage::gap_limit;
 use distance_field::quantile_in_place;
 use nalgebra::SVector;
 
@@ -263,27 +263,14 @@ fn cut<const D: usize>(
     let widest = (0..n).max_by(|&a, &b| gaps[a].total_cmp(&gaps[b]).then(b.cmp(&a))).unwrap_or(0);
     let others = (0..n).filter(|&k| k != widest).map(|k| gaps[k]);
     let second = others.fold(0.0, f64::max);
-    let [largest, next] = gap_limits(gaps).map(|limit| asked.gap.unwrap_or(limit + slack));
-    let by_gaps = largest;
+    let by_gaps = asked.gap.unwrap_or_else(|| gap_limit(gaps) + slack);
     // Where it is asked for, it is one chain.
     let limit = match asked {
         Asked { closed: Some(_), .. } => f64::INFINITY,
         Asked { gap: Some(gap), .. } => gap,
         _ => SPLIT * by_gaps,
     };
-    let wide: Vec<usize> = (0..n).filter(|&k| gaps[k] > limit.min(next)).collect();
-    let cuts = if wide.len() > MOST || asked.closed.is_some() {
-        (0..n).filter(|&k| gaps[k] > limit).collect()
-    } else {
-        // Several gaps that a single one might be leave a ring alone, if there is one between them.
-        let pieces = between(&nodes, &wide);
-        let ring: Vec<bool> = pieces.iter().map(|piece| is_ring(piece, next)).collect();
-        let apart = |&i: &usize| {
-            let alone = ring[i] || ring[(i + wide.len() - 1) % wide.len()];
-            gaps[wide[i]] > limit || wide.len() > 1 && alone
-        };
-        (0..wide.len()).filter(apart).map(|i| wide[i]).collect::<Vec<usize>>()
-    };
+    let cuts: Vec<usize> = (0..n).filter(|&k| gaps[k] > limit).collect();
     if cuts.len() > MOST {
         return Parts { paths: Vec::new(), turn: std::f64::consts::PI, lanes: true };
     }
@@ -305,7 +292,7 @@ fn cut<const D: usize>(
         return Parts { paths: vec![path], turn, lanes };
     }
     let mut pieces = between(&nodes, &cuts);
-    join(&mut pieces, limit, next);
+    join(&mut pieces, limit);
     let fewest = least(n);
     pieces.retain(|piece| piece.len() >= fewest.max(4));
     let (turn, lanes) = (median_turn(&pieces), lanes(&pieces));
@@ -334,12 +321,12 @@ fn is_ring<const D: usize>(piece: &[SVector<f64, D>], limit: f64) -> bool {
 }
 
 /// Joins pieces whose ends are as near to each other as neighbours, the nearest first, unless a piece is closed itself.
-fn join<const D: usize>(pieces: &mut Vec<Vec<SVector<f64, D>>>, limit: f64, next: f64) {
+fn join<const D: usize>(pieces: &mut Vec<Vec<SVector<f64, D>>>, limit: f64) {
     loop {
         let mut best: Option<(f64, usize, usize, bool, bool)> = None;
         for i in 0..pieces.len() {
             for j in i + 1..pieces.len() {
-                if is_ring(&pieces[i], next) || is_ring(&pieces[j], next) {
+                if is_ring(&pieces[i], limit) || is_ring(&pieces[j], limit) {
                     continue;
                 }
                 for (first, second) in [(false, false), (false, true), (true, false), (true, true)] {

@@ -235,61 +235,9 @@ pub(super) fn cones<const CONE: bool>(points: &[Vector3<f64>]) -> Vec<ConeModel<
         found.extend(
             cylinders.filter_map(|c| ConeModel::new(c.pose.point, c.pose.z, 1.0 / c.curvature, 0.01)),
         );
-        found.extend(flat_cones(&judges));
     }
     found
 }
-
-/// Rings of places of the apex of a flat cone, in extents of the cloud, and places on each.
-const APEX_RINGS: [f64; 6] = [0.0, 0.2, 0.4, 0.7, 1.0, 2.0];
-const APEX_PLACES: usize = 12;
-
-/// Cones that are nearly planes: heights `a + b·p + s |p − c|` over the plane of the points, by linear least squares for each place
-/// `c` of the apex.
-fn flat_cones<const CONE: bool>(points: &[Vector3<f64>]) -> Vec<ConeModel<CONE>> {
-    let (centre, axes) = principal(points);
-    let [x, y, z] = [axes[0], axes[1], axes[2]];
-    let places: Vec<Vector3<f64>> =
-        (points.iter().map(|p| p - centre)).map(|d| Vector3::new(d.dot(&x), d.dot(&y), d.dot(&z))).collect();
-    let extent = places.iter().map(|p| p.xy().norm()).fold(0.0, f64::max);
-    if points.len() < 4 || extent.is_nan() || extent <= 0.0 {
-        return Vec::new();
-    }
-    let heights = DVector::from_iterator(places.len(), places.iter().map(|p| p.z));
-    let mut models = Vec::new();
-    for ring in APEX_RINGS {
-        let count = if ring > 0.0 { APEX_PLACES } else { 1 };
-        for k in 0..count {
-            let (sin, cos) = (std::f64::consts::TAU * k as f64 / count as f64).sin_cos();
-            let apex = Vector2::new(cos, sin) * (ring * extent);
-            let rows = DMatrix::from_fn(places.len(), 4, |i, j| {
-                let p = places[i].xy();
-                [1.0, p.x, p.y, (p - apex).norm()][j]
-            });
-            let qr = rows.qr();
-            let Some(s) = qr.r().solve_upper_triangular(&qr.q().tr_mul(&heights)) else { continue };
-            let slope = s[3].abs();
-            if slope.is_nan() || slope <= 0.0 {
-                continue;
-            }
-            let height = s[0] + s[1] * apex.x + s[2] * apex.y;
-            let tip = centre + x * apex.x + y * apex.y + z * height;
-            let axis = (z - x * s[1] - y * s[2]).normalize() * s[3].signum();
-            let section = tip + axis * (slope * extent);
-            models.extend(
-                ConeModel::new(section, axis, extent, 1.0 / slope).map(|m| (cost_of(&m, points), axis, m)),
-            );
-        }
-    }
-    // Their axes are nearly the same, so that only their costs tell them apart.
-    models.retain(|(cost, ..)| cost.is_finite());
-    models.sort_by(|a, b| a.0.total_cmp(&b.0));
-    models.truncate(FLAT_CONES);
-    models.into_iter().map(|(.., model)| model).collect()
-}
-
-/// Flat cones that are tried.
-const FLAT_CONES: usize = 4;
 
 /// The best of random axes through few points.
 pub(super) fn cone_from_few<const CONE: bool>(

@@ -21,6 +21,8 @@ const TRIFLE: f64 = 1e-8;
 /// rulings slide along straight surfaces, the fairing would go on falling for very long.
 const CAP: f64 = 0.1;
 const CHANGE: f64 = 2e-3;
+/// The change that does not matter while twists fall, which is slow.
+const STEADY: f64 = 1e-4;
 /// Most iterations by default.
 const ITERATIONS: usize = 200;
 
@@ -223,9 +225,11 @@ fn fit_to_points(
 ) -> Result<Fitted<ActiveRuled, 3>, Error> {
     let target = Target::Points { points, weights };
     // Twists are to fall while the energy is large: later they lead to surfaces whose normals turn over.
-    let smoothing =
-        if options.abs_twist > 0.0 { options.fit.smoothing } else { begun_at(points, &shape, &options.fit)? };
-    let begun = options.fit.with_smoothing(smoothing);
+    let begun = if options.abs_twist > 0.0 {
+        options.fit.with_fairing_cap(None).with_cost_tolerance(options.fit.cost_tolerance.min(STEADY))
+    } else {
+        options.fit.with_smoothing(begun_at(points, &shape, &options.fit)?)
+    };
     let fitted = fit_with_progress(shape, target, constraints, &begun, progress)?;
     let is_trifle = match options.fit.smoothing {
         Smoothing::Fixed { lambda } => lambda <= TRIFLE,

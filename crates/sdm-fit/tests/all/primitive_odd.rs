@@ -35,14 +35,14 @@ fn the_steepest_and_the_flattest_cones_are_found() {
             (0.0, 1.0 / half_angle.sin())
         };
         let found = fit_cone(&cone(half_angle, near, far), &PrimitiveOptions::default()).unwrap();
-        assert!(found.rms < 1e-11, "{degrees}: {} rms {}", found.status, found.rms);
         if found.status == PrimitiveStatus::Converged {
+            assert!(found.rms < 1e-11, "{degrees}: rms {}", found.rms);
             let [base, top] = found.shape.radii();
             let angle = (top - base).abs().atan2(found.shape.height());
             assert!((angle - half_angle).abs() < 1e-8, "{degrees}: half angle {angle}");
         } else {
-            // A shape that is nearly of another kind may be called so, the ordinary ones not.
-            assert!(!(0.1..=89.0).contains(&degrees), "{degrees}: {}", found.status);
+            // A cone that is nearly a plane may not be found, which is said; the others are.
+            assert!(degrees > 89.0, "{degrees}: {}", found.status);
         }
     }
 }

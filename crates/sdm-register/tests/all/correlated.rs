@@ -40,7 +40,9 @@ fn mean_squared_distance(cells: Option<usize>, white: f64, count: usize, runs: u
     for run in 1..=runs {
         let mut random = Random::new(100 * run);
         // The first numbers of seeds next to each other are alike.
-        (0..100).for_each(|_| drop(random.uniform()));
+        for _ in 0..100 {
+            let _ = random.uniform();
+        }
         let error = cells.map(|cells| Smooth::new(cells, &mut random));
         let points: Vec<Vector3<f64>> = (0..count)
             .map(|_| {
