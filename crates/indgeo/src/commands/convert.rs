@@ -91,7 +91,7 @@ fn parse_form(text: &str) -> Result<Form, String> {
 
 /// What is written.
 enum Converted {
-    Content(Content),
+    Content(Box<Content>),
     Polylines(Vec<Vec<[f64; 3]>>, PolylineFormat),
 }
 
@@ -149,7 +149,9 @@ impl Args {
                 let what = "the model has surfaces, which are no polylines";
                 Err(Error::content(&self.input, what, "choose stl, obj, ply or off for OUTPUT"))
             }
-            (Some(mesh), polylines, _) if polylines.is_empty() => Ok(Converted::Content(Content::Mesh(mesh))),
+            (Some(mesh), polylines, _) if polylines.is_empty() => {
+                Ok(Converted::Content(Box::new(Content::Mesh(mesh))))
+            }
             (None, polylines, Some(PolylineFormat::Svg)) if !is_flat(&polylines) => {
                 let what = "the curves leave the planes z = constant, and have no true shape in a picture";
                 Err(Error::content(&self.input, what, "choose dxf, obj or ply for OUTPUT"))
@@ -233,7 +235,7 @@ pub(crate) fn run(args: &Args, report: &mut Report) -> Result<Outcome, Error> {
             let chord = Some(found.chord);
             (args.tessellated(&model, found)?, chord)
         }
-        content => (Converted::Content(content), None),
+        content => (Converted::Content(Box::new(content)), None),
     };
     if args.chord.is_some() && chord.is_none() {
         return Err(Error::usage(

@@ -9,7 +9,7 @@ use std::path::Path;
 /// A format of arrays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Form {
-    /// NumPy.
+    /// `NumPy`.
     Npy,
     /// Image data of VTK.
     Vti,

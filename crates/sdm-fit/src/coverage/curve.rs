@@ -131,7 +131,7 @@ pub(crate) fn of_curve<const D: usize>(
     let mut stops: Vec<Stop<D>> = points.iter().zip(feet).enumerate().map(stop).collect();
     stops.sort_by(|a, b| a.at.total_cmp(&b.at).then(a.index.cmp(&b.index)));
     let mut found = Coverage { size: total, noise: noise(&stops), ..Coverage::default() };
-    if stops.is_empty() || !(total > 0.0) {
+    if stops.is_empty() || total.is_nan() || total <= 0.0 {
         return found;
     }
     // Gaps between the feet of all points tell the spacing, those of near ones what is bare.
@@ -142,7 +142,8 @@ pub(crate) fn of_curve<const D: usize>(
     found.spacing = supported.iter().sum::<f64>() / supported.len().max(1) as f64;
     let of_noise = found.noise * (NOISES + 0.5 * (points.len() as f64).ln());
     found.distance_limit = limits.distance.max(SPACINGS * found.spacing).max(of_noise);
-    found.far = feet.iter().filter(|foot| !(foot.distance <= found.distance_limit)).count();
+    found.far =
+        feet.iter().filter(|foot| foot.distance.is_nan() || foot.distance > found.distance_limit).count();
     let usual = limits.distance.max(SPACINGS * found.spacing).max(TOGETHER * found.noise);
     found.far = found.far.max(aside(&stops, usual));
     let near: Vec<Stop<D>> =

@@ -76,7 +76,7 @@ impl<const D: usize> Work<'_, D> {
         let members: Vec<usize> = (0..local.len()).filter(|&k| counts[k]).collect();
         let some = |k: &usize| local[*k];
         let used: Vec<SVector<f64, D>> = members.iter().map(some).collect();
-        let used_feet: Vec<CurveFootpoint<D>> = members.iter().map(|&k| found[k].clone()).collect();
+        let used_feet: Vec<CurveFootpoint<D>> = members.iter().map(|&k| found[k]).collect();
         let asked = limits(local, self.options, self.given);
         let mut coverage = of_curve(&state.curve, &used, &used_feet, asked);
         let left: Vec<SVector<f64, D>> = (0..local.len()).filter(|&k| !counts[k]).map(|k| local[k]).collect();

@@ -222,7 +222,7 @@ impl<const D: usize> Work<'_, D> {
         let last = parameters().fold(f64::NEG_INFINITY, f64::max);
         let domain = state.curve.domain();
         let least = 1e-6 * domain.length();
-        if !(last - first > least) {
+        if (last - first).is_nan() || last - first <= least {
             return Ok(state);
         }
         let length = |from: f64, to: f64| {

@@ -30,7 +30,7 @@ pub(super) fn supported<const D: usize>(sample: Vec<SVector<f64, D>>) -> Vec<SVe
     let mut reach =
         index.map_nearest_n(&places, SUPPORT + 1, |_, near| near.last().map_or(0.0, |n| n.distance()));
     let radius = quantile_in_place(&mut reach, 0.5);
-    if sample.len() < FEW || !(radius > 0.0) {
+    if sample.len() < FEW || radius.is_nan() || radius <= 0.0 {
         return sample;
     }
     let band = BAND * radius;

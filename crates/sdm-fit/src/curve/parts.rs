@@ -280,7 +280,7 @@ fn cut<const D: usize>(
     let ring = by_gaps.max(if ends == widest { RING * second } else { 0.0 });
     if cuts.len() <= 1 && cuts.first().is_none_or(|&c| c == ends) {
         let mut nodes = nodes;
-        if !(asked.closed == Some(true) && !ordered) {
+        if asked.closed != Some(true) || ordered {
             nodes.rotate_left((ends + 1) % n);
         }
         if around == 0.0 && nodes.len() > 3 {

@@ -40,7 +40,7 @@ pub(super) fn without_astray<const D: usize>(
     // The largest coordinate: squares may overflow.
     let reach = |i: usize| (points[i] - middle).amax();
     let usual = quantile_in_place(&mut kept.iter().map(|&i| reach(i)).collect::<Vec<_>>(), 0.9);
-    if !(usual > 0.0) {
+    if usual.is_nan() || usual <= 0.0 {
         return (kept, Vec::new());
     }
     kept.into_iter().partition(|&i| reach(i) <= ASTRAY * usual)

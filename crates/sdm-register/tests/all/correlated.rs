@@ -1,5 +1,7 @@
 //! The covariance of a pose when the errors of neighbouring points are alike.
 
+#![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small counts")]
+
 use crate::common::{Random, model};
 use distance_field::SurfaceField;
 use nalgebra::Vector3;

@@ -1,5 +1,7 @@
 //! Which poses are called converged: right ones on ordinary data, and no others.
 
+#![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small counts")]
+
 use crate::bodies::Bumpy;
 use crate::common::{Random, distance, model};
 use distance_field::{CloudField, DistanceField, MeshField, SurfaceField};
