@@ -28,7 +28,7 @@ pub(crate) fn of(report: &Report) -> String {
         Some(Results::Alignment(found)) => alignment_summary::write(&mut text, report, found),
         Some(Results::Parameters(found)) => write_parameters(&mut text, report, found),
         Some(Results::Views(found)) => write_views(&mut text, report, found),
-        Some(Results::Curve(found)) => write_curve(&mut text, report, &found.fitted, found.parts.len()),
+        Some(Results::Curve(found)) => write_curve(&mut text, report, &found.fitted),
         Some(Results::Surface(found)) => write_surface(&mut text, report, found),
         Some(Results::Ruled(found)) => write_ruled(&mut text, report, found),
         Some(Results::Subdivision(found)) => write_subdivision(&mut text, report, found),
@@ -204,12 +204,11 @@ fn write_views(text: &mut String, report: &Report, found: &ViewsResults) -> std:
     write_end(text, report)
 }
 
-fn write_curve(text: &mut String, report: &Report, found: &CurveReport, parts: usize) -> std::fmt::Result {
-    let kind = if found.closed { "closed" } else { "open" };
-    let kind = if parts > 1 { format!("{parts} curves") } else { format!("{kind} curve") };
+fn write_curve(text: &mut String, report: &Report, found: &CurveReport) -> std::fmt::Result {
     writeln!(
         text,
-        "{kind} of degree {} with {} after {} ({})",
+        "{} curve of degree {} with {} after {} ({})",
+        if found.closed { "closed" } else { "open" },
         found.degree,
         counted(found.controls, "control point"),
         counted(found.iterations, "iteration"),
@@ -222,18 +221,6 @@ fn write_curve(text: &mut String, report: &Report, found: &CurveReport, parts: u
         plain(found.max),
         found.max_index
     )?;
-    let seen = &found.coverage;
-    writeln!(
-        text,
-        "  from the curve to the points  rms {}  max {}; length {}, {} of it without points",
-        plain(seen.rms),
-        plain(seen.max),
-        plain(seen.size),
-        plain(seen.without_data)
-    )?;
-    if found.used + found.dropped < found.points {
-        writeln!(text, "  left out  {}", counted(found.points - found.dropped - found.used, "outlier"))?;
-    }
     if let (Some(share), Some(reached)) = (found.share_within, found.reached) {
         let verdict = if reached { "reached" } else { "NOT reached" };
         let share = percent_of_share(share, Rounding::Down);

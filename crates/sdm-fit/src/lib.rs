@@ -25,7 +25,7 @@
 mod assemble;
 mod cloud_kind;
 mod constraint;
-mod coverage;
+mod coverage_surface;
 pub mod curve;
 mod error;
 mod fairing;
@@ -51,7 +51,7 @@ mod weights;
 
 pub use cloud_kind::{CloudKind, cloud_kind, measurable, tight_axes};
 pub use constraint::{Constraints, LinearCondition};
-pub use coverage::{Bare, Coverage, SurfaceCoverage};
+pub use coverage_surface::SurfaceCoverage;
 pub use curve::ActiveCurve;
 pub use error::Error;
 pub use iterate::{Progress, fit, fit_with_progress, no_progress};

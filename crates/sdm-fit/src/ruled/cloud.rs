@@ -4,7 +4,7 @@ use super::Developability;
 use super::fit::{RuledFit, RuledOptions, RuledReport, fit_ruled_within};
 use super::start::initial_ruled;
 use crate::cloud_kind::{CloudKind, cloud_kind, distance_of_far, measurable};
-use crate::coverage::noise_of;
+use crate::coverage_surface::noise_of;
 use crate::iterate::{Progress, no_progress};
 use crate::surface::apart::kept;
 use crate::surface::{SurfaceOptions, cut_to_feet};

@@ -1,7 +1,7 @@
 //! Ruled surfaces fitted to points and models.
 
 use super::{ActiveRuled, Developability};
-use crate::coverage::noise_of;
+use crate::coverage_surface::noise_of;
 use crate::iterate::{Progress, fit_with_progress, no_progress};
 use crate::polish::{nearly_exact, polished};
 use crate::shape::ActiveShape;

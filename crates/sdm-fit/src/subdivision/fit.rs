@@ -2,7 +2,7 @@
 
 use super::folded::check_neighbours;
 use super::{ActiveLoop, FoldedEdges};
-use crate::coverage::noise_of;
+use crate::coverage_surface::noise_of;
 use crate::iterate::{Progress, fit_with_progress, no_progress};
 use crate::{Constraints, Error, FitOptions, FitReport, Fitted, Smoothing, Status, SurfaceCoverage, Target};
 use distance_field::PrincipalFrame;

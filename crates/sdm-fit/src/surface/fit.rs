@@ -9,7 +9,7 @@ use super::runs::{Outcome, Runs, share_within};
 use super::tolerance::fit_to_tolerance;
 use super::{ActiveSurface, InitialSurface};
 use crate::cloud_kind::{CloudKind, cloud_kind, measurable};
-use crate::coverage::{SurfaceCoverage, noise_of};
+use crate::coverage_surface::{SurfaceCoverage, noise_of};
 use crate::iterate::{Progress, no_progress};
 use crate::polish::may_vanish;
 use crate::{Error, FitOptions, FitReport, Status, Target};
