@@ -66,7 +66,7 @@ pub fn surface_costs(
 }
 
 /// How much the residuals of points differ from those of the points with the nearest feet: 1 where they have nothing to do with each other,
-/// as noise, and near 0 where neighbours are off alike, since the surface does not follow the points ([Ne41], for surfaces). 1 where
+/// as noise, and near 0 where neighbours are off alike, since the surface does not follow the points (\[Ne41\], for surfaces). 1 where
 /// there are no residuals.
 ///
 /// # Errors
