@@ -35,7 +35,7 @@ const COMMANDS: &[Command] = &[
     Command {
         name: "measure",
         arguments: "[NAME…]",
-        about: "run the examples that measure the goals of the project, all or those named, and write docs/measurements.md",
+        about: "run the programs that measure the goals of the project, all or those named, and write docs/measurements.md",
         run: measure::run,
     },
     Command {

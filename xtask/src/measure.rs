@@ -1,6 +1,6 @@
-//! `cargo xtask measure`: runs the examples that measure the goals of the project and writes `docs/measurements.md`.
+//! `cargo xtask measure`: runs the programs that measure the goals of the project and writes `docs/measurements.md`.
 //!
-//! What each example prints is quoted as it is, below the command that prints it. Numbers of time depend on the machine, so that
+//! What each program prints is quoted as it is, below the command that prints it. Numbers of time depend on the machine, so that
 //! this document is written on demand and not compared by anything.
 
 use crate::{Failure, workspace};
@@ -10,15 +10,13 @@ use std::process::Command;
 /// Where the report goes, from the workspace root.
 const REPORT: &str = "docs/measurements.md";
 
-/// One example to run: what it is about, and how it is called.
+/// One program to run: what it is about, and how it is called.
 struct Measurement {
     /// For `cargo xtask measure NAME`.
     name: &'static str,
     title: &'static str,
     about: &'static str,
-    package: &'static str,
-    features: &'static str,
-    example: &'static str,
+    program: &'static str,
     arguments: &'static [&'static str],
     /// Whether one thread is to do the work, where CPU time is measured.
     one_thread: bool,
@@ -32,9 +30,7 @@ const MEASUREMENTS: &[Measurement] = &[
         about: "Nine kinds of shape, six sets of queries each, against closed forms or refined dense samples. Wanted: no wrong \
                 answer; curves below 1 us, surfaces below 5 us (10 us on 50 x 50 control points) on a processor that takes 20 to 25 ns for a \
                 jet, that is 40 and 200 (400) jets; no query above 1 ms.",
-        package: "footpoint",
-        features: "",
-        example: "kinds",
+        program: "kinds",
         arguments: &[],
         one_thread: true,
     },
@@ -44,9 +40,7 @@ const MEASUREMENTS: &[Measurement] = &[
         about: "Steep patches, high degrees, unequal weights, creases, collapsed edges, floating knots, large and small scales, shapes \
                 with axes and centres; queries on them, near, far and where they focus, against dense samples that are refined, and against \
                 the fast mode. Wanted: no wrong answer, no open certificate, no query above 1 ms.",
-        package: "footpoint",
-        features: "",
-        example: "constructed",
+        program: "constructed",
         arguments: &[],
         one_thread: true,
     },
@@ -55,9 +49,7 @@ const MEASUREMENTS: &[Measurement] = &[
         title: "Registration from many starts",
         about: "All starts of the cases in `fixtures/register-cases`, up to 60 degrees away; errors against the certified optimum, \
                 or that of the inliers alone, as shares of the diameter.",
-        package: "sdm-register",
-        features: "serde",
-        example: "register_cases",
+        program: "register_cases",
         arguments: &[
             "fixtures/register-cases/cad_zero",
             "fixtures/register-cases/cad_noise1e-3",
@@ -71,9 +63,7 @@ const MEASUREMENTS: &[Measurement] = &[
         name: "registration-time",
         title: "Time of registrations",
         about: "CPU seconds of field and registration, against the goals of the project.",
-        package: "sdm-register",
-        features: "serde",
-        example: "cpu_goals",
+        program: "cpu_goals",
         arguments: &[],
         one_thread: true,
     },
@@ -81,9 +71,7 @@ const MEASUREMENTS: &[Measurement] = &[
         name: "registration-robust",
         title: "Registration with outliers and missing parts",
         about: "Default settings, 104 starts of 5 to 60 degrees each.",
-        package: "sdm-register",
-        features: "serde",
-        example: "robust_cases",
+        program: "robust_cases",
         arguments: &[],
         one_thread: true,
     },
@@ -91,9 +79,7 @@ const MEASUREMENTS: &[Measurement] = &[
         name: "start",
         title: "Registration without a start",
         about: "From random positions, by all methods: how often the first candidate, and any, leads to the true pose.",
-        package: "industrial-geometry",
-        features: "",
-        example: "coarse_start",
+        program: "coarse_start",
         arguments: &[],
         one_thread: false,
     },
@@ -101,9 +87,7 @@ const MEASUREMENTS: &[Measurement] = &[
         name: "views",
         title: "Many views at once",
         about: "Six views of one body without common points. Wanted without noise: 5e-6 of the diameter.",
-        package: "sdm-register",
-        features: "",
-        example: "many_views",
+        program: "many_views",
         arguments: &[],
         one_thread: true,
     },
@@ -112,9 +96,7 @@ const MEASUREMENTS: &[Measurement] = &[
         title: "Fits of curves: methods side by side",
         about: "From the same start, with the same control points, in one run: point, tangent and squared distance minimisation, and \
                 control points and parameters together by L-BFGS.",
-        package: "sdm-fit",
-        features: "",
-        example: "rivals",
+        program: "rivals",
         arguments: &[],
         one_thread: true,
     },
@@ -123,9 +105,7 @@ const MEASUREMENTS: &[Measurement] = &[
         title: "Fits beside their goals",
         about: "Curves and surfaces by point, tangent and squared distance minimisation, which share all other code; distances to shapes \
                 that are known, crossings, folds, seams, seconds per iteration, and quadratic convergence.",
-        package: "sdm-fit",
-        features: "",
-        example: "fitting_goals",
+        program: "fitting_goals",
         arguments: &[],
         one_thread: true,
     },
@@ -134,9 +114,7 @@ const MEASUREMENTS: &[Measurement] = &[
         title: "Primitives against a minimiser with many starts",
         about: "Pieces of 10 to 360 degrees in both directions, noise up to a hundredth of the radius, up to 45 % outliers, clouds that \
                 leave a shape open. Wanted: no fit that says converged above the lowest known root mean square by more than a part in 1e9.",
-        package: "sdm-fit",
-        features: "",
-        example: "primitive_fits",
+        program: "primitive_fits",
         arguments: &["2"],
         one_thread: true,
     },
@@ -145,9 +123,7 @@ const MEASUREMENTS: &[Measurement] = &[
         title: "Fits of real data",
         about: "Sections of an airfoil and of a scanned blade, the outline of a horse in an image, a side of the blade: as the data ask for, and \
                 to a tolerance. Wanted: closed curves that do not cross themselves, and the tolerance.",
-        package: "industrial-geometry",
-        features: "",
-        example: "real_fits",
+        program: "real_fits",
         arguments: &[],
         one_thread: false,
     },
@@ -156,9 +132,7 @@ const MEASUREMENTS: &[Measurement] = &[
         title: "Large fits of surfaces",
         about: "From a cloud without parameters to the surface, on all threads. Wanted on two cores: 64,000 points and 55 x 55 control \
                 points in 3 s; a million points and 100 x 100 control points in 60 s and 4 GB.",
-        package: "sdm-fit",
-        features: "",
-        example: "large_surfaces",
+        program: "large_surfaces",
         arguments: &[],
         one_thread: false,
     },
@@ -167,9 +141,7 @@ const MEASUREMENTS: &[Measurement] = &[
         title: "Clouds without parameters: time",
         about: "On one thread. Wanted: a height field of a million points in 1 s, hidden points of a million in 4 s, a cost per point of \
                 the whole way that does not grow.",
-        package: "cloud-param",
-        features: "",
-        example: "scaling",
+        program: "scaling",
         arguments: &[],
         one_thread: true,
     },
@@ -179,9 +151,7 @@ const MEASUREMENTS: &[Measurement] = &[
         about: "From the cloud alone, with nets of the sizes of [MPK, Figs. 7-9] for clouds of that kind. Wanted: no loops, no crossovers and no \
                 folds, the finish below the least squares surface, at most .11 for the trunk of the bunny; 64,000 points in 10 s. The \
                 blade stands on its platform, which no surface around its axis follows: its base surface is no success, and said so.",
-        package: "industrial-geometry",
-        features: "",
-        example: "scans",
+        program: "scans",
         arguments: &[],
         one_thread: false,
     },
@@ -190,9 +160,7 @@ const MEASUREMENTS: &[Measurement] = &[
         title: "Hidden points against rays",
         about: "On samples of a mesh, seen from three directions and three places; the default is Automatic(0.72). Wanted: at 35,000 and \
                 1,000,000 points at most 2 % falsely visible and 2 % falsely hidden.",
-        package: "cloud-param",
-        features: "",
-        example: "visibility",
+        program: "visibility",
         arguments: &["fixtures/mesh/bunny.obj"],
         one_thread: false,
     },
@@ -201,9 +169,7 @@ const MEASUREMENTS: &[Measurement] = &[
         title: "Memory of an inspection",
         about: "The largest resident memory of `indgeo inspect` on ten million generated points, in binary PLY with three doubles a point, \
                 which are read into memory. Wanted: at most 100 bytes a point, with and without files.",
-        package: "indgeo",
-        features: "",
-        example: "inspection_memory",
+        program: "inspection_memory",
         arguments: &["10000000"],
         one_thread: false,
     },
@@ -212,9 +178,7 @@ const MEASUREMENTS: &[Measurement] = &[
         title: "Fits of Loop subdivision surfaces",
         about: "A body from a coarse control mesh: point, tangent and squared distance minimisation, distances after each iteration as \
                 shares of the diagonal.",
-        package: "sdm-fit",
-        features: "",
-        example: "subdivision_cases",
+        program: "subdivision_cases",
         arguments: &[],
         one_thread: true,
     },
@@ -254,11 +218,7 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
 
 impl Measurement {
     fn cargo_arguments(&self) -> Vec<&str> {
-        let mut all = vec!["run", "--release", "--quiet", "--package", self.package];
-        if !self.features.is_empty() {
-            all.extend(["--features", self.features]);
-        }
-        all.extend(["--example", self.example]);
+        let mut all = vec!["run", "--release", "--quiet", "--package", "measurements", "--bin", self.program];
         if !self.arguments.is_empty() {
             all.push("--");
             all.extend(self.arguments);

@@ -31,6 +31,19 @@ const ALLOWED: &[(&str, &[&str])] = &[
         ],
     ),
     ("indgeo", &["industrial-geometry"]),
+    (
+        "measurements",
+        &[
+            "nurbs-core",
+            "mesh-core",
+            "footpoint",
+            "distance-field",
+            "sdm-fit",
+            "sdm-register",
+            "cloud-param",
+            "industrial-geometry",
+        ],
+    ),
     ("fuzz-targets", &["footpoint", "pc-io"]),
     (
         "xtask",
