@@ -14,6 +14,7 @@
 
 pub use cloud_param;
 pub use distance_field;
+pub use feature_metric;
 pub use footpoint;
 pub use inspection;
 pub use mesh_core as mesh;

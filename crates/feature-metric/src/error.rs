@@ -1,0 +1,60 @@
+//! Errors of this crate.
+
+/// What can be wrong with the input of a distance on a surface.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The mesh cannot be used.
+    #[error(transparent)]
+    Mesh(#[from] mesh_core::Error),
+    /// A mesh without a triangle that has an area.
+    #[error("the mesh has no triangle with different finite corners, so there is no surface to measure on")]
+    NoSurface,
+    /// An option outside its range.
+    #[error("option {name} is {value}, but must be {allowed}")]
+    Option {
+        /// Its name.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// A source or target that the mesh does not have.
+    #[error("vertex {vertex} is none of the {count} vertices (from 0) that belong to a triangle")]
+    Vertex {
+        /// Its number.
+        vertex: usize,
+        /// Number of vertices of the mesh.
+        count: usize,
+    },
+    /// No source was given.
+    #[error("a distance needs at least one source")]
+    NoSource,
+    /// A list with one entry per vertex has another length.
+    #[error("{found} labels were given for {expected} vertices")]
+    Labels {
+        /// Number of entries.
+        found: usize,
+        /// Number of vertices.
+        expected: usize,
+    },
+    /// A point or parameter that is not finite or outside the domain of the surface.
+    #[error("the parameters ({u}, {v}) do not lie in the domain of the surface, [{}, {}] x [{}, {}]", .domain[0], .domain[1], .domain[2], .domain[3])]
+    Parameters {
+        /// First parameter.
+        u: f64,
+        /// Second parameter.
+        v: f64,
+        /// Low and high end of `u`, then of `v`.
+        domain: [f64; 4],
+    },
+    /// The refined mesh would be too large.
+    #[error(
+        "the image of the mesh under normals would have more than {most} vertices; take a finer mesh or a smaller width"
+    )]
+    TooLarge {
+        /// Most vertices.
+        most: usize,
+    },
+}

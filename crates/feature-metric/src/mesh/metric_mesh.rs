@@ -1,0 +1,156 @@
+//! A mesh with the lengths of its edges in a metric.
+
+use super::fillets::Image;
+use super::wedges::Wedges;
+use crate::{Error, Metric};
+use mesh_core::{HalfEdge, HalfEdgeMesh, TriangleMesh};
+use nalgebra::Point3;
+
+/// A mesh as a metric sees it: triangles with the lengths of their sides, and nothing else of space.
+///
+/// In the feature sensitive metric it is the image `(x, w n)` of the mesh in `R⁶`: its edges are chords there, so that the
+/// triangle inequality holds. Normals are those of the mesh where it has some, otherwise means over triangles between sharp edges
+/// (40 degrees and more). Where the normal jumps at an edge, the image has a strip of triangles without width in space; where
+/// neighbouring normals differ by more than 15 degrees, edges are split.
+///
+/// Vertices at one place count as one corner. Edges that more than two triangles share, or that neighbours run through in the same
+/// direction, are boundaries: [`is_manifold`](Self::is_manifold) tells.
+#[derive(Clone, Debug)]
+pub struct MetricMesh {
+    pub(crate) connectivity: HalfEdgeMesh,
+    /// Lengths of the half-edges, by `3 · triangle + edge`.
+    pub(crate) lengths: Vec<f64>,
+    /// The vertices in space.
+    pub(crate) points: Vec<Point3<f64>>,
+    /// The vertices here of every vertex of the given mesh; those at one place have the same ones.
+    of_vertex: Vec<Vec<u32>>,
+    metric: Metric,
+    is_manifold: bool,
+}
+
+impl MetricMesh {
+    /// A mesh with a metric.
+    ///
+    /// # Errors
+    /// [`Error::NoSurface`] without a triangle; [`Error::Option`] for a width that is negative or not finite;
+    /// [`Error::TooLarge`] when normals differ too much for the number of triangles.
+    pub fn new(mesh: &TriangleMesh, metric: Metric) -> Result<Self, Error> {
+        metric.validate()?;
+        let first = mesh.coincident_vertices();
+        let finite = |triangle: &[u32; 3]| {
+            triangle.iter().all(|&index| mesh.vertices()[index as usize].iter().all(|c| c.is_finite()))
+        };
+        // What is not finite keeps its place among the triangles, as one without area.
+        let welded: Vec<[u32; 3]> = mesh
+            .triangles()
+            .iter()
+            .map(
+                |triangle| {
+                    if finite(triangle) { triangle.map(|index| first[index as usize]) } else { [0; 3] }
+                },
+            )
+            .collect();
+        let given = HalfEdgeMesh::of(mesh.vertices().len(), &welded);
+        if given.half_edges().next().is_none() {
+            return Err(Error::NoSurface);
+        }
+        let defects = given.defects();
+        let is_manifold = defects.non_manifold_edges.is_empty()
+            && defects.inconsistent_edges.is_empty()
+            && defects.non_manifold_vertices.is_empty();
+        let width = metric.width();
+        if width == 0.0 {
+            let lengths = lengths(&given, |a, b| (mesh.vertices()[a] - mesh.vertices()[b]).norm());
+            let of_vertex = first.iter().map(|&corner| vec![corner]).collect();
+            let points = mesh.vertices().to_vec();
+            return Ok(Self { connectivity: given, lengths, points, of_vertex, metric, is_manifold });
+        }
+        let mut image = Image::of(mesh.vertices(), &given, &Wedges::of(mesh, &given));
+        image.refine()?;
+        let connectivity = HalfEdgeMesh::of(image.places.len(), &image.triangles);
+        let places = &image.places;
+        let lengths = lengths(&connectivity, |a, b| {
+            let (one, other) = (&places[a], &places[b]);
+            (one.point - other.point).norm().hypot(width * (one.normal - other.normal).norm())
+        });
+        let of_vertex = first.iter().map(|&corner| image.of_vertex[corner as usize].clone()).collect();
+        let points = places.iter().map(|place| place.point).collect();
+        Ok(Self { connectivity, lengths, points, of_vertex, metric, is_manifold })
+    }
+
+    /// The metric.
+    #[must_use]
+    pub fn metric(&self) -> Metric {
+        self.metric
+    }
+
+    /// Number of vertices of the given mesh.
+    #[must_use]
+    pub fn vertex_count(&self) -> usize {
+        self.of_vertex.len()
+    }
+
+    /// Number of triangles that distances are propagated over.
+    #[must_use]
+    pub fn triangle_count(&self) -> usize {
+        self.connectivity.triangles().len()
+    }
+
+    /// Whether the given mesh is an oriented manifold, so that no edge is cut.
+    #[must_use]
+    pub fn is_manifold(&self) -> bool {
+        self.is_manifold
+    }
+
+    /// The vertices here of a vertex of the given mesh.
+    ///
+    /// # Errors
+    /// [`Error::Vertex`] if it belongs to no triangle.
+    pub(crate) fn places(&self, vertex: usize) -> Result<&[u32], Error> {
+        let count = self.of_vertex.len();
+        let used = |place: &u32| self.connectivity.spokes(*place).next().is_some();
+        let places = self.of_vertex.get(vertex).filter(|places| places.iter().any(used));
+        places.map(Vec::as_slice).ok_or(Error::Vertex { vertex, count })
+    }
+
+    /// Values per vertex of the given mesh, the least of its places; infinite for one that belongs to no triangle.
+    pub(crate) fn per_vertex(&self, values: &[f64]) -> Vec<f64> {
+        let least = |places: &Vec<u32>| {
+            places.iter().map(|&place| values[place as usize]).fold(f64::INFINITY, f64::min)
+        };
+        self.of_vertex.iter().map(least).collect()
+    }
+
+    /// The length of a half-edge.
+    #[inline]
+    pub(crate) fn length(&self, half_edge: HalfEdge) -> f64 {
+        self.lengths[3 * half_edge.triangle() + half_edge.edge()]
+    }
+
+    /// The angle of a triangle at the origin of a half-edge.
+    pub(crate) fn angle(&self, half_edge: HalfEdge) -> f64 {
+        let [one, across, other] =
+            [half_edge, half_edge.next(), half_edge.previous()].map(|edge| self.length(edge));
+        let cosine = (one * one + other * other - across * across) / (2.0 * one * other);
+        if cosine.is_finite() { cosine.clamp(-1.0, 1.0).acos() } else { 0.0 }
+    }
+
+    /// Where the vertex opposite to a half-edge lies if that runs from the origin along the first axis, to its left.
+    #[inline]
+    pub(crate) fn apex(&self, half_edge: HalfEdge) -> [f64; 2] {
+        let length = self.length(half_edge);
+        let (far, near) = (self.length(half_edge.next()), self.length(half_edge.previous()));
+        let along = (length * length + near * near - far * far) / (2.0 * length);
+        if length > 0.0 { [along, (near * near - along * along).max(0.0).sqrt()] } else { [0.0, near] }
+    }
+}
+
+fn lengths(connectivity: &HalfEdgeMesh, length: impl Fn(usize, usize) -> f64) -> Vec<f64> {
+    let mut lengths = vec![0.0; 3 * connectivity.triangles().len()];
+    for half_edge in connectivity.half_edges() {
+        // In one direction, so that both sides have the same bits.
+        let (a, b) = (connectivity.origin(half_edge) as usize, connectivity.target(half_edge) as usize);
+        lengths[3 * half_edge.triangle() + half_edge.edge()] = length(a.min(b), a.max(b));
+    }
+    lengths
+}
