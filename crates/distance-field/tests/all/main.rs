@@ -10,5 +10,6 @@ mod d2_tree;
 mod grid;
 mod level_set;
 mod mesh;
+mod planar_cloud;
 mod surface;
 mod threads;
