@@ -1,8 +1,8 @@
 //! What can be typed.
 
 use crate::commands::{
-    align, convert, demo, field, fit_curve, fit_ruled, fit_subdivision, fit_surface, info, inspect,
-    parameterize, project, register, register_views, selftest,
+    align, convert, demo, field, fit_curve, fit_ruled, fit_subdivision, fit_surface, geodesic, info, inspect,
+    morphology, parameterize, project, register, register_views, selftest,
 };
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::path::{Path, PathBuf};
@@ -40,6 +40,7 @@ Examples:
   indgeo fit-ruled vase.xyz -o layers.json --control-points 25x7 --level
   indgeo fit-subdivision scan.ply -o control.obj --vertices 300
   indgeo field part.stl -o distance.vti --signed
+  indgeo geodesic part.stl --from 0 -o distance.csv
   indgeo info scan.ply";
 
 #[derive(Debug, Subcommand)]
@@ -55,6 +56,8 @@ pub(crate) enum Command {
     FitRuled(fit_ruled::Args),
     FitSubdivision(fit_subdivision::Args),
     Field(field::Args),
+    Geodesic(geodesic::Args),
+    Morphology(morphology::Args),
     Convert(convert::Args),
     Info(info::Args),
     Demo(demo::Args),
@@ -94,6 +97,8 @@ impl Command {
             Self::FitRuled(args) => args.files(),
             Self::FitSubdivision(args) => args.files(),
             Self::Field(args) => args.files(),
+            Self::Geodesic(args) => args.files(),
+            Self::Morphology(args) => args.files(),
             Self::Convert(args) => (vec![&args.input], vec![args.output.clone()]),
             Self::Info(args) => (args.files.iter().map(PathBuf::as_path).collect(), Vec::new()),
             Self::Demo(args) => (Vec::new(), args.results()),
@@ -115,6 +120,8 @@ impl Command {
             Self::FitRuled(_) => "fit-ruled",
             Self::FitSubdivision(_) => "fit-subdivision",
             Self::Field(_) => "field",
+            Self::Geodesic(_) => "geodesic",
+            Self::Morphology(_) => "morphology",
             Self::Convert(_) => "convert",
             Self::Info(_) => "info",
             Self::Demo(_) => "demo",

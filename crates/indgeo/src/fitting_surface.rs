@@ -11,6 +11,7 @@ use crate::report::{Report, Results, Timings};
 use crate::surface_judgement::Judgement;
 use crate::surface_start::{Refusal, Start, from_cloud};
 use crate::wording::counted;
+use industrial_geometry::cloud_param::Error as ParameterError;
 use industrial_geometry::fit::{
     BaseShape, Error as FitError, Folds, StepRecord, SurfaceCoverage, SurfaceDistances, SurfaceOptions,
     fit_surface_with_progress, with_controls,
@@ -91,6 +92,9 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Erro
     drop(progress);
     let (surface, fitted) = found.map_err(|refusal| match refusal {
         Refusal::Fit(error) => refused(job, &error),
+        Refusal::Points(ParameterError::Option { name, value, allowed }) => {
+            Error::option(name, value, allowed, "see `indgeo fit-surface --help`")
+        }
         Refusal::Points(error) => Error::content(
             job.points,
             error.to_string(),

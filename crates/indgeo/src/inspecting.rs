@@ -23,6 +23,33 @@ const OFF_PLANE: f64 = 1e-12;
 /// Most points in the picture of a report.
 const MOST_POINTS: usize = 1_000_000;
 
+/// How points are moved before they are measured.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Motion<'a> {
+    /// Not at all.
+    None,
+    /// By the motion of a file.
+    File(&'a Path),
+    /// By a motion that is known.
+    Known(Transform),
+}
+
+impl Motion<'_> {
+    /// The file of the motion.
+    fn file(&self) -> Option<&Path> {
+        if let Self::File(path) = self { Some(path) } else { None }
+    }
+
+    /// The motion itself.
+    fn transform(&self) -> Result<Option<Transform>, Error> {
+        match self {
+            Self::None => Ok(None),
+            Self::File(path) => Transform::read(path).map(Some),
+            Self::Known(transform) => Ok(Some(*transform)),
+        }
+    }
+}
+
 /// What is to be done.
 #[derive(Debug)]
 pub(crate) struct Job<'a> {
@@ -30,8 +57,8 @@ pub(crate) struct Job<'a> {
     pub(crate) model: &'a Path,
     /// File of the points.
     pub(crate) points: &'a Path,
-    /// File of a motion to be applied to the points.
-    pub(crate) transform: Option<&'a Path>,
+    /// How the points are moved first.
+    pub(crate) motion: Motion<'a>,
     /// File of the page.
     pub(crate) page: Option<&'a Path>,
     /// File of the deviations per point.
@@ -56,14 +83,14 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Inspection, Erro
     if let Some(page) = job.page {
         check_extension(page)?;
     }
-    let inputs: Vec<&Path> = [job.model, job.points].into_iter().chain(job.transform).collect();
+    let inputs: Vec<&Path> = [job.model, job.points].into_iter().chain(job.motion.file()).collect();
     for path in [job.out, job.page].into_iter().flatten() {
         files::check_writable(path, &inputs)?;
     }
     let mut timings = Timings::default();
     let loaded = Timings::measure(&mut timings.read, || Loaded::read(job.model))?;
     report.add_input(Input::new("model", job.model, &loaded.report));
-    let transform = job.transform.map(Transform::read).transpose()?;
+    let transform = job.motion.transform()?;
     let mut points = Timings::measure(&mut timings.read, || Points::read(job.points, job.drop_non_finite))?;
     report.add_input(Input::new("points", job.points, &points.report));
     let measured = measured(&loaded.model);
@@ -83,7 +110,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Inspection, Erro
         {
             let what = "the motion takes the points out of the plane of the model";
             return Err(Error::content(
-                job.transform.unwrap_or(job.points),
+                job.motion.file().unwrap_or(job.points),
                 what,
                 "give a turn about z and a shift in x and y",
             ));

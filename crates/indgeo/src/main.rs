@@ -1,5 +1,5 @@
 //! Industrial Geometry on the command line: `indgeo project | inspect | align | register | register-views | fit-curve | parameterize |
-//! fit-surface | fit-ruled | fit-subdivision | field | convert | info | demo | selftest`.
+//! fit-surface | fit-ruled | fit-subdivision | field | geodesic | morphology | convert | info | demo | selftest`.
 
 mod aligning;
 mod alignment_summary;
@@ -22,9 +22,11 @@ mod inspecting;
 mod interrupt;
 mod model;
 mod moving;
+mod on_surface;
 mod output;
 mod parameterizing;
 mod paths;
+mod planar_start;
 mod points;
 mod poses;
 mod progress;

@@ -3,6 +3,7 @@
 use crate::error::Error;
 use crate::files;
 use crate::moving::moved;
+use crate::planar_start;
 use crate::poses;
 use crate::progress::Progress;
 use crate::registration_field::{RegistrationField, locks_fit_the_plane};
@@ -13,7 +14,6 @@ use crate::report::{Input, ModelSummary, Output, Report, Results, Timings};
 use crate::wording::{counted, not_finite};
 use industrial_geometry::io::{self, Content, Format, ReadOptions, WriteOptions};
 use industrial_geometry::mesh::nalgebra::Vector3;
-use industrial_geometry::nurbs::Aabb;
 use industrial_geometry::register::start::{OrientedPoints, StartOptions, coarse_start};
 use industrial_geometry::register::{
     Error as RegisterError, Pose, RegisterOptions, RegisterReport, Rejection, Source, StepRecord,
@@ -21,12 +21,8 @@ use industrial_geometry::register::{
 use std::path::Path;
 use std::time::Instant;
 
-/// Distance, as a share of the size of the model, within which a point counts as lying on it when starts are compared.
-const NEAR: f64 = 0.012;
 /// Share of the points near the model above which the given start is good enough.
 const GOOD_SHARE: f64 = 0.9;
-/// Points by which starts are compared.
-const COMPARED: usize = 4000;
 /// Candidates of a search over all positions from which the registration is run.
 const CANDIDATES: usize = 3;
 
@@ -68,6 +64,13 @@ pub(crate) struct Job<'a> {
     pub(crate) quiet: bool,
 }
 
+/// Where the points came to lie.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Registered {
+    pub(crate) pose: Pose<3>,
+    pub(crate) converged: bool,
+}
+
 /// The points as they are registered.
 struct Cloud<'a> {
     positions: Vec<Vector3<f64>>,
@@ -76,8 +79,8 @@ struct Cloud<'a> {
     weights: Option<Vec<f64>>,
 }
 
-/// Does the job and fills in the report; returns whether the result converged.
-pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
+/// Does the job and fills in the report.
+pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Registered, Error> {
     let init = if let Start::Poses(file) = job.start { Some(file) } else { None };
     let inputs: Vec<&Path> = [job.model, job.points].into_iter().chain(init).collect();
     files::check_inputs(&inputs)?;
@@ -93,7 +96,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
     report.add_input(Input::new("points", job.points, &loaded.report));
     let content = loaded.content;
     warn(job, &loaded.report, report);
-    let is_planar = matches!(model, RegistrationModel::Plane(_));
+    let is_planar = model.is_planar();
     if is_planar && !locks_fit_the_plane(&job.options) {
         return Err(Error::usage("a lock of tz, rx or ry has no effect in the plane", "lock tx, ty or rz"));
     }
@@ -136,7 +139,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
     write(job, content, &result.pose, &motion, report)?;
     report.count_points("points", result.dropped, result.used);
     report.results = Some(Results::Registration(Box::new(RegistrationResults::new(motion, starts, best))));
-    Ok(result.is_converged())
+    Ok(Registered { pose: result.pose, converged: result.is_converged() })
 }
 
 fn warn(job: &Job<'_>, read: &io::ReadReport, report: &mut Report) {
@@ -203,7 +206,7 @@ fn solve(
     let mut from = |origin: &'static str, pose: &Pose<3>| -> Result<(f64, bool), Error> {
         let began = Instant::now();
         let result = verdict::flat(model, &cloud.positions, register(job, field, cloud, pose, progress)?);
-        let (score, share) = compare(field, cloud, &result.pose, job.options.scale);
+        let (score, share) = field.compare(&cloud.positions, &result.pose, job.options.scale);
         starts.push(StartResult::new(origin, pose, &result, score, share, began.elapsed().as_secs_f64()));
         let ended_well = result.is_converged();
         results.push(result);
@@ -221,31 +224,18 @@ fn solve(
             let share = from("given", &Pose::identity())?;
             search = matches!(job.start, Start::Auto)
                 && !is_good(share)
-                && !matches!(model, RegistrationModel::Curves(_) | RegistrationModel::Plane(_));
+                && !matches!(model, RegistrationModel::Curves(_));
         }
         None => {}
     }
     if search {
-        // The search knows one scale: where it is unknown, that by the sizes.
-        let growth = if job.options.scale { relative_size(field, cloud) } else { 1.0 };
-        let grown: Vec<Vector3<f64>> = cloud.positions.iter().map(|x| x * growth).collect();
-        let oriented = match cloud.normals {
-            Some(normals) => OrientedPoints::new(&grown, normals),
-            None => OrientedPoints::without_normals(&grown),
+        let found = if model.is_planar() {
+            planar_start::poses(field, &cloud.positions, job.options.scale)
+        } else {
+            search_space(job, model, field, cloud, progress)?
         };
-        let tell = |done: usize, total: usize| progress.part("searching all positions", done, total);
-        let samples = model.samples(job.model)?;
-        let found =
-            oriented.and_then(|points| coarse_start(&samples, &points, &StartOptions::default(), &tell));
-        let found = found
-            .map_err(|error| Error::content(job.points, error.to_string(), "check it with `indgeo info`"))?;
-        for candidate in found.candidates.iter().take(CANDIDATES) {
-            let pose = Pose {
-                scale: candidate.pose.scale * growth,
-                source_origin: candidate.pose.source_origin / growth,
-                ..candidate.pose
-            };
-            if is_good(from("search", &pose)?) {
+        for pose in &found {
+            if is_good(from("search", pose)?) {
                 break;
             }
         }
@@ -266,12 +256,32 @@ fn solve(
     Ok(Solution { starts, best, result, equivalent })
 }
 
-/// The size of the model over that of the points; 1 where one of them has none.
-fn relative_size(field: &RegistrationField, cloud: &Cloud<'_>) -> f64 {
-    let finite = cloud.positions.iter().filter(|x| x.iter().all(|c| c.is_finite()));
-    let size = Aabb::of_points(finite).map_or(0.0, |bounds| bounds.diagonal());
-    let ratio = field.diagonal() / size;
-    if ratio.is_finite() && ratio > 0.0 { ratio } else { 1.0 }
+/// The best of all positions in space.
+fn search_space(
+    job: &Job<'_>,
+    model: &RegistrationModel,
+    field: &RegistrationField,
+    cloud: &Cloud<'_>,
+    progress: &Progress,
+) -> Result<Vec<Pose<3>>, Error> {
+    // The search knows one scale: where it is unknown, that by the sizes.
+    let growth = if job.options.scale { field.relative_size(&cloud.positions) } else { 1.0 };
+    let grown: Vec<Vector3<f64>> = cloud.positions.iter().map(|x| x * growth).collect();
+    let oriented = match cloud.normals {
+        Some(normals) => OrientedPoints::new(&grown, normals),
+        None => OrientedPoints::without_normals(&grown),
+    };
+    let tell = |done: usize, total: usize| progress.part("searching all positions", done, total);
+    let samples = model.samples(job.model)?;
+    let found = oriented.and_then(|points| coarse_start(&samples, &points, &StartOptions::default(), &tell));
+    let found = found
+        .map_err(|error| Error::content(job.points, error.to_string(), "check it with `indgeo info`"))?;
+    let pose = |pose: &Pose<3>| Pose {
+        scale: pose.scale * growth,
+        source_origin: pose.source_origin / growth,
+        ..*pose
+    };
+    Ok(found.candidates.iter().take(CANDIDATES).map(|candidate| pose(&candidate.pose)).collect())
 }
 
 fn register(
@@ -299,32 +309,6 @@ fn register(
         }
         other => Error::content(job.points, other.to_string(), "check it with `indgeo info`"),
     })
-}
-
-/// How well a pose fits: mean squared distance with a limit, as a share of the limit, and the share of the points within.
-///
-/// Where the scale is unknown the limit goes by the size of the moved points: in the size of the model, all points of a cloud that
-/// is small enough are near.
-fn compare(field: &RegistrationField, cloud: &Cloud<'_>, pose: &Pose<3>, scale: bool) -> (f64, f64) {
-    let step = cloud.positions.len().div_ceil(COMPARED).max(1);
-    let moved: Vec<Vector3<f64>> = cloud
-        .positions
-        .iter()
-        .step_by(step)
-        .filter(|x| x.iter().all(|c| c.is_finite()))
-        .map(|x| pose.apply(x))
-        .collect();
-    let size = Aabb::of_points(&moved).filter(|_| scale).map_or(field.diagonal(), |bounds| bounds.diagonal());
-    let limit = NEAR * size;
-    let distances = field.distances(&moved);
-    let (mut sum, mut near) = (0.0, 0usize);
-    for distance in &distances {
-        let share = (distance / limit).powi(2);
-        sum += if share < 1.0 { share } else { 1.0 };
-        near += usize::from(share < 1.0);
-    }
-    let count = distances.len().max(1) as f64;
-    (sum / count, near as f64 / count)
 }
 
 /// The start whose result fits best, of those that converged if any did; the first of equals.

@@ -1,7 +1,8 @@
 //! The distance from a model in the plane or in space, with poses of space for both.
 
-use industrial_geometry::distance_field::{CurveField, DistanceField, Hint, PrincipalFrame, Search};
+use industrial_geometry::distance_field::{DistanceField, Hint, PrincipalFrame, Search};
 use industrial_geometry::mesh::nalgebra::{Matrix3, SVector, Vector3};
+use industrial_geometry::nurbs::Aabb;
 use industrial_geometry::register::start::OrientedPoints;
 use industrial_geometry::register::{
     Covariance, Error, FreeMotion, Locks, Pose, RegisterOptions, RegisterReport, Source, StepRecord,
@@ -9,10 +10,15 @@ use industrial_geometry::register::{
 };
 use std::ops::ControlFlow;
 
+/// Distance, as a share of the size of the model, within which a point counts as lying on it when poses are compared.
+const NEAR: f64 = 0.012;
+/// Points by which poses are compared.
+const COMPARED: usize = 4000;
+
 /// The distance from a model.
 pub(crate) enum RegistrationField {
     /// In the plane z = 0.
-    Plane(Box<CurveField<2>>),
+    Plane(Box<dyn DistanceField<2>>),
     /// In space.
     Space(Box<dyn DistanceField<3>>),
 }
@@ -24,6 +30,43 @@ impl RegistrationField {
             Self::Plane(field) => field.bounding_box().diagonal(),
             Self::Space(field) => field.bounding_box().diagonal(),
         }
+    }
+
+    /// Centre of the box around the model.
+    pub(crate) fn centre(&self) -> Vector3<f64> {
+        match self {
+            Self::Plane(field) => lifted(&field.bounding_box().centre()),
+            Self::Space(field) => field.bounding_box().centre(),
+        }
+    }
+
+    /// The size of the model over that of the points; 1 where one of them has none.
+    pub(crate) fn relative_size(&self, points: &[Vector3<f64>]) -> f64 {
+        let finite = points.iter().filter(|x| x.iter().all(|c| c.is_finite()));
+        let size = Aabb::of_points(finite).map_or(0.0, |bounds| bounds.diagonal());
+        let ratio = self.diagonal() / size;
+        if ratio.is_finite() && ratio > 0.0 { ratio } else { 1.0 }
+    }
+
+    /// How well a pose fits: mean squared distance with a limit, as a share of the limit, and the share of the points within.
+    ///
+    /// Where the scale is unknown the limit goes by the size of the moved points: in the size of the model, all points of a cloud
+    /// that is small enough are near.
+    pub(crate) fn compare(&self, points: &[Vector3<f64>], pose: &Pose<3>, scale: bool) -> (f64, f64) {
+        let step = points.len().div_ceil(COMPARED).max(1);
+        let finite = points.iter().step_by(step).filter(|x| x.iter().all(|c| c.is_finite()));
+        let moved: Vec<Vector3<f64>> = finite.map(|x| pose.apply(x)).collect();
+        let bounds = Aabb::of_points(&moved).filter(|_| scale);
+        let limit = NEAR * bounds.map_or(self.diagonal(), |bounds| bounds.diagonal());
+        let distances = self.distances(&moved);
+        let (mut sum, mut near) = (0.0, 0usize);
+        for distance in &distances {
+            let share = (distance / limit).powi(2);
+            sum += if share < 1.0 { share } else { 1.0 };
+            near += usize::from(share < 1.0);
+        }
+        let count = distances.len().max(1) as f64;
+        (sum / count, near as f64 / count)
     }
 
     /// The motions that carry a model in space into itself but for a tolerance, the identity first.

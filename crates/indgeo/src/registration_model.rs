@@ -4,7 +4,9 @@ use crate::error::Error;
 use crate::files;
 use crate::registration_field::RegistrationField;
 use crate::wording::{counted, not_finite};
-use industrial_geometry::distance_field::{CloudField, CurveField, DistanceField, MeshField, SurfaceField};
+use industrial_geometry::distance_field::{
+    CloudField, CurveField, DistanceField, MeshField, PlanarCloudField, SurfaceField,
+};
 use industrial_geometry::io::{Content, ReadOptions, ReadReport, Shape};
 use industrial_geometry::mesh::{MeshProjector, PointCloud, TriangleMesh};
 use industrial_geometry::nurbs::{BsplineCurve, BsplineSurface, ParametricSurface};
@@ -29,6 +31,8 @@ pub(crate) enum RegistrationModel {
     Mesh(TriangleMesh),
     /// A cloud, dense enough to stand for a surface.
     Cloud(PointCloud),
+    /// A cloud in the plane, dense enough to stand for a curve.
+    PlanarCloud(PointCloud),
 }
 
 impl RegistrationModel {
@@ -43,17 +47,13 @@ impl RegistrationModel {
         let model = match loaded.content {
             Content::Nurbs(model) => Self::of_shapes(model.into_shapes(), path, warnings)?,
             Content::Mesh(mesh) => Self::Mesh(mesh),
-            Content::Cloud(cloud) if cloud.dimension() == 2 => {
-                let what = "the model is a cloud in the plane";
-                return Err(Error::content(path, what, "give a model in space"));
-            }
             Content::Cloud(cloud) => {
                 let first = cloud.positions().first();
                 if cloud.len() > 1 && cloud.positions().iter().all(|point| Some(point) == first) {
                     let what = format!("all {} of the model are the same", counted(cloud.len(), "point"));
                     return Err(Error::content(path, what, "give a cloud that is dense on a surface"));
                 }
-                Self::Cloud(cloud)
+                if cloud.dimension() == 2 { Self::PlanarCloud(cloud) } else { Self::Cloud(cloud) }
             }
         };
         Ok((model, report))
@@ -99,8 +99,13 @@ impl RegistrationModel {
         match self {
             Self::Surfaces(_) | Self::Plane(_) | Self::Curves(_) => "nurbs",
             Self::Mesh(_) => "mesh",
-            Self::Cloud(_) => "cloud",
+            Self::Cloud(_) | Self::PlanarCloud(_) => "cloud",
         }
+    }
+
+    /// Whether the model lies in the plane z = 0, and takes points of two columns.
+    pub(crate) fn is_planar(&self) -> bool {
+        matches!(self, Self::Plane(_) | Self::PlanarCloud(_))
     }
 
     /// Number of curves and surfaces, triangles or points.
@@ -110,7 +115,7 @@ impl RegistrationModel {
             Self::Plane(curves) => curves.len(),
             Self::Curves(curves) => curves.len(),
             Self::Mesh(mesh) => mesh.triangles().len(),
-            Self::Cloud(cloud) => cloud.len(),
+            Self::Cloud(cloud) | Self::PlanarCloud(cloud) => cloud.len(),
         }
     }
 
@@ -122,6 +127,13 @@ impl RegistrationModel {
         let field: Result<Box<dyn DistanceField<3>>, _> = match self {
             Self::Plane(curves) => {
                 let field = CurveField::for_model(curves).map_err(failed)?;
+                return Ok(RegistrationField::Plane(Box::new(field)));
+            }
+            Self::PlanarCloud(cloud) => {
+                let points: Vec<_> = cloud.positions().iter().map(|point| point.xy()).collect();
+                let normals: Option<Vec<_>> =
+                    cloud.attributes().normals().map(|all| all.iter().map(|normal| normal.xy()).collect());
+                let field = PlanarCloudField::new(&points, normals.as_deref()).map_err(failed)?;
                 return Ok(RegistrationField::Plane(Box::new(field)));
             }
             Self::Surfaces(surfaces) => SurfaceField::for_model(surfaces).map(|field| Box::new(field) as _),
@@ -138,8 +150,10 @@ impl RegistrationModel {
         let what = match self {
             Self::Surfaces(_) => return Ok(()),
             Self::Plane(_) | Self::Curves(_) => "the model has curves, which have no normals",
-            Self::Cloud(cloud) if cloud.attributes().normals().is_some() => return Ok(()),
-            Self::Cloud(_) => "the model is a cloud without normals",
+            Self::Cloud(cloud) | Self::PlanarCloud(cloud) if cloud.attributes().normals().is_some() => {
+                return Ok(());
+            }
+            Self::Cloud(_) | Self::PlanarCloud(_) => "the model is a cloud without normals",
             Self::Mesh(mesh) => match MeshProjector::new(mesh) {
                 Ok(projector) if !projector.topology().is_oriented() => {
                     "neighbouring triangles disagree on the side of their normals"
@@ -162,7 +176,7 @@ impl RegistrationModel {
             Self::Mesh(mesh) => Ok(OrientedPoints::from_mesh(mesh, SAMPLES)),
             Self::Cloud(cloud) => OrientedPoints::from_cloud(cloud)
                 .map_err(|error| Error::content(path, error.to_string(), ADVICE)),
-            Self::Plane(_) | Self::Curves(_) => Err(Error::content(
+            Self::Plane(_) | Self::PlanarCloud(_) | Self::Curves(_) => Err(Error::content(
                 path,
                 "a start without a guess needs surfaces, this model has curves only",
                 "give a starting pose (--init) or choose --start given",

@@ -1,5 +1,6 @@
 //! What a registration found, for machines.
 
+use crate::inspecting::InspectionResults;
 use industrial_geometry::register::{Covariance, Pose, RegisterReport, StepRecord, Support};
 use serde::Serialize;
 
@@ -142,11 +143,14 @@ pub(crate) struct RegistrationResults {
     pub(crate) starts: Vec<StartResult>,
     /// Index of the start that counts.
     pub(crate) best_start: usize,
+    /// The deviations of the moved points, where they were to be judged.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) inspection: Option<Box<InspectionResults>>,
 }
 
 impl RegistrationResults {
     /// From the motion of the best result and all starts.
     pub(crate) fn new(transform: TransformFile, starts: Vec<StartResult>, best_start: usize) -> Self {
-        Self { transform, starts, best_start }
+        Self { transform, starts, best_start, inspection: None }
     }
 }

@@ -9,6 +9,8 @@ use crate::fitting_subdivision::SubdivisionResults;
 use crate::fitting_surface::SurfaceResults;
 use crate::inspecting::InspectionResults;
 use crate::interrupt;
+use crate::on_surface::geodesic::GeodesicResults;
+use crate::on_surface::morphology::MorphologyResults;
 use crate::parameterizing::ParameterResults;
 use crate::registration_report::RegistrationResults;
 use crate::selftest::Check;
@@ -247,6 +249,10 @@ pub(crate) enum Results {
     Subdivision(Box<SubdivisionResults>),
     /// Of distances on a grid.
     Field(Box<FieldResults>),
+    /// Of distances and curves on a surface.
+    Geodesic(Box<GeodesicResults>),
+    /// Of operations on regions of a mesh.
+    Morphology(Box<MorphologyResults>),
     /// Of `convert`.
     Converted(ConvertResults),
     /// Of `selftest`.

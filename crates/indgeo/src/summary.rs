@@ -5,6 +5,7 @@ use crate::fit_numbers::FitNumbers;
 use crate::fitting_ruled::RuledResults;
 use crate::fitting_subdivision::SubdivisionResults;
 use crate::fitting_surface::SurfaceResults;
+use crate::on_surface;
 use crate::parameterizing::ParameterResults;
 use crate::registration_report::RegistrationResults;
 use crate::report::{ProjectionResults, Report, Results};
@@ -32,6 +33,8 @@ pub(crate) fn of(report: &Report) -> String {
         Some(Results::Surface(found)) => write_surface(&mut text, report, found),
         Some(Results::Ruled(found)) => write_ruled(&mut text, report, found),
         Some(Results::Subdivision(found)) => write_subdivision(&mut text, report, found),
+        Some(Results::Geodesic(found)) => on_surface::summary::write_geodesic(&mut text, report, found),
+        Some(Results::Morphology(found)) => on_surface::summary::write_morphology(&mut text, report, found),
         _ => Ok(()),
     };
     text
@@ -159,6 +162,9 @@ fn write_registration(text: &mut String, report: &Report, found: &RegistrationRe
         chosen.origin,
         percent_of_share(chosen.share_near, Rounding::Down)
     )?;
+    if let Some(inspection) = &found.inspection {
+        return write_inspection(text, report, &inspection.found);
+    }
     write_end(text, report)
 }
 

@@ -3,6 +3,7 @@
 use crate::error::Error;
 use crate::points::Points;
 use industrial_geometry::mesh::nalgebra::{Matrix3, Matrix4, Point3, Vector3};
+use industrial_geometry::register::Pose;
 use std::path::Path;
 
 const ADVICE: &str =
@@ -34,6 +35,11 @@ impl Transform {
         let rows: [[f64; 4]; 4] = serde_json::from_value(matrix)
             .map_err(|_| Error::content(path, "there is no matrix of 4 × 4 numbers", ADVICE))?;
         Self::of_rows(&rows, scale).map_err(|what| Error::content(path, what, ADVICE))
+    }
+
+    /// A motion that a registration found.
+    pub(crate) fn of_pose(pose: &Pose<3>) -> Self {
+        Self { linear: pose.rotation * pose.scale, translation: pose.translation() }
     }
 
     fn of_rows(rows: &[[f64; 4]; 4], scale: f64) -> Result<Self, String> {

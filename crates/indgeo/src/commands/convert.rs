@@ -44,6 +44,8 @@ pub(crate) struct Args {
 const AFTER_HELP: &str = "\
 Doubles are written with full precision in every format but binary STL and PCD colours, which are single by definition.
 
+Exit status 0: written; 2: bad input or usage; 130: interrupted (nothing half-written stays).
+
 Examples:
   indgeo convert scan.pcd scan.ply
   indgeo convert scan.ply scan.csv --drop-non-finite

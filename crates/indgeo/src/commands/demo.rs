@@ -28,6 +28,8 @@ Files in the folder:
   registration.svg the picture: before and after, and the steps; registration.json: report of the registration
   report.html      the inspection of the registered scan, to be opened in a browser; inspection.json: its report
 
+Exit status 0: every point was projected and the registration converged; 1: not so; 2: no data, or the folder cannot be written; 130: interrupted.
+
 Example:
   indgeo demo --out my-demo")]
 pub(crate) struct Args {

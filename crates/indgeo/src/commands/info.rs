@@ -18,6 +18,8 @@ use std::path::{Path, PathBuf};
 /// Say what files hold: points, attributes, triangles, curves and surfaces
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = "\
+Exit status 0: all files were read; 2: one was not, the others are reported nevertheless; 130: interrupted.
+
 Examples:
   indgeo info scan.ply
   indgeo info model.json --json -

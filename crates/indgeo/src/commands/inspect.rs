@@ -5,7 +5,7 @@ use super::numbers;
 use super::project::Search;
 use crate::args::Common;
 use crate::error::Error;
-use crate::inspecting::{self, Job};
+use crate::inspecting::{self, Job, Motion};
 use crate::output::Format;
 use crate::report::Report;
 use crate::summary;
@@ -157,7 +157,7 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
     let job = Job {
         model: &args.model,
         points: &args.points,
-        transform: args.transform.as_deref(),
+        motion: args.transform.as_deref().map_or(Motion::None, Motion::File),
         page: args.report.as_deref(),
         out: args.out.as_deref(),
         format: args.format,

@@ -9,8 +9,10 @@ mod fit_loop;
 pub(crate) mod fit_ruled;
 pub(crate) mod fit_subdivision;
 pub(crate) mod fit_surface;
+pub(crate) mod geodesic;
 pub(crate) mod info;
 pub(crate) mod inspect;
+pub(crate) mod morphology;
 mod numbers;
 pub(crate) mod parameterize;
 pub(crate) mod project;
@@ -85,6 +87,8 @@ pub(crate) fn run(command: &Command, common: &Common, report: &mut Report) -> Re
         Command::FitRuled(args) => fit_ruled::run(args, common, report),
         Command::FitSubdivision(args) => fit_subdivision::run(args, common, report),
         Command::Field(args) => field::run(args, common, report),
+        Command::Geodesic(args) => geodesic::run(args, common, report),
+        Command::Morphology(args) => morphology::run(args, common, report),
         Command::Convert(args) => convert::run(args, report),
         Command::Info(args) => info::run(args, common, report),
         Command::Demo(args) => demo::run(args, common, report),

@@ -4,13 +4,17 @@ use super::Outcome;
 use super::numbers;
 use crate::args::Common;
 use crate::error::Error;
+use crate::files;
+use crate::inspecting::{self, Motion};
 use crate::registering::{self, Job, Start};
-use crate::report::Report;
+use crate::report::{Report, Results};
 use crate::summary;
+use crate::transform::Transform;
 use clap::ValueEnum;
 use industrial_geometry::distance_field::ErrorTerm;
+use industrial_geometry::inspection::{InspectionOptions, Tolerance};
 use industrial_geometry::io::Format;
-use industrial_geometry::register::{Locks, Method, Outliers, RegisterOptions};
+use industrial_geometry::register::{Locks, Method, Outliers, Pose, RegisterOptions};
 use std::path::{Path, PathBuf};
 
 /// Move POINTS to where they fit MODEL best
@@ -69,6 +73,15 @@ pub(crate) struct Args {
     /// Most steps of one stage; a registration that they end is not converged (exit status 1)
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u16).range(1..))]
     max_iterations: u16,
+    /// Judge the moved points as `inspect` does, by the tolerance of -t; the model is then NURBS or a mesh
+    #[arg(long, requires = "tolerance")]
+    inspect: bool,
+    /// Allowed deviation to both sides, for --inspect
+    #[arg(long, short, value_name = "T", value_parser = numbers::length, requires = "inspect")]
+    tolerance: Option<f64>,
+    /// Write the page of the inspection (HTML), for --inspect
+    #[arg(long, value_name = "FILE", requires = "inspect")]
+    report: Option<PathBuf>,
 }
 
 /// Where to start.
@@ -155,6 +168,9 @@ In the plane the matrix is that of a turn about z, and the covariance has three 
 With --max-angle a point without a normal (zero, not finite) does not count. Curves and clouds without normals of their own
 have nothing to compare with, and refuse it.
 
+--inspect reads the files again, measures the moved points (results.inspection, docs/schema/inspect.schema.json) and ends with 1 if a
+point is out of tolerance. For other limits and options run `indgeo inspect` with --transform T.json.
+
 With several starts each is reported (`starts`); the one that leaves the least distance counts.
 Status: converged; doubtful (the iteration converged, but the points do not speak for the pose: `support` has the numbers and the
 reason); no_overlap (hardly any points lie on the model); underdetermined (points and model are clouds in a plane each);
@@ -166,7 +182,8 @@ Examples:
   indgeo register part.stl scan.ply -o moved.ply --transform pose.json
   indgeo register part.json scan.ply -o moved.ply --init start.json --lock z
   indgeo register part.json scan.ply --transform pose.json --outliers trimmed --overlap 0.6
-  indgeo inspect part.json scan.ply --transform pose.json --tolerance 0.05 --report report.html";
+  indgeo register part.json scan.ply --inspect --tolerance 0.05 --report report.html
+  indgeo inspect part.json scan.ply --transform pose.json --lower -0.1 --upper 0.3";
 
 fn parse_point(text: &str) -> Result<[f64; 3], String> {
     super::parse_triple(text).ok_or_else(|| "a point is three numbers: X,Y,Z".to_owned())
@@ -176,7 +193,7 @@ impl Args {
     /// The files that are read, and those that are written.
     pub(crate) fn files(&self) -> (Vec<&Path>, Vec<PathBuf>) {
         let read = [Some(&self.model), Some(&self.points), self.init.as_ref()];
-        let written = [&self.out, &self.transform];
+        let written = [&self.out, &self.transform, &self.report];
         (
             read.into_iter().flatten().map(PathBuf::as_path).collect(),
             written.into_iter().flatten().cloned().collect(),
@@ -221,10 +238,16 @@ impl Args {
 
 /// Runs the command.
 pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<Outcome, Error> {
-    if args.out.is_none() && args.transform.is_none() && common.json.is_none() {
+    if args.out.is_none() && args.transform.is_none() && common.json.is_none() && !args.inspect {
         return Err(Error::usage(
             "nothing would be written",
-            "add -o MOVED, --transform T.json or --json FILE",
+            "add -o MOVED, --transform T.json, --json FILE or --inspect",
+        ));
+    }
+    if args.inspect && [&args.model, &args.points].into_iter().any(|path| files::is_stream(path)) {
+        return Err(Error::usage(
+            "--inspect reads the files a second time, which standard input cannot be",
+            "give files, or write the motion (--transform) and run `indgeo inspect`",
         ));
     }
     let options = args.options()?;
@@ -248,6 +271,56 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         needs_normals: args.method == MethodChoice::Symmetric,
         quiet: common.quiet,
     };
-    let converged = registering::run(&job, report)?;
-    Ok(Outcome::new(summary::of(report), converged))
+    let found = registering::run(&job, report)?;
+    let within = match args.tolerance {
+        Some(tolerance) => inspect(args, common, tolerance, &found.pose, report)?,
+        None => true,
+    };
+    let otherwise = if found.converged { "out_of_tolerance" } else { "not_converged" };
+    Ok(Outcome { summary: summary::of(report), converged: found.converged && within, otherwise })
+}
+
+/// Measures the moved points; whether they are within tolerance.
+fn inspect(
+    args: &Args,
+    common: &Common,
+    tolerance: f64,
+    pose: &Pose<3>,
+    report: &mut Report,
+) -> Result<bool, Error> {
+    let tolerance = Tolerance::symmetric(tolerance).map_err(|error| inspecting::usage(&error))?;
+    let angle = args.max_angle.filter(|angle| *angle < 180.0).map(f64::to_radians);
+    let job = inspecting::Job {
+        model: &args.model,
+        points: &args.points,
+        motion: Motion::Known(Transform::of_pose(pose)),
+        page: args.report.as_deref(),
+        out: None,
+        format: None,
+        options: InspectionOptions { max_angle: angle, ..InspectionOptions::new(tolerance) },
+        mode: "certified",
+        drop_non_finite: true,
+        threads: common.threads,
+        quiet: common.quiet,
+    };
+    let mut found = Report { command: "inspect", version: report.version, ..Report::default() };
+    let inspection = inspecting::run(&job, &mut found)?;
+    found.warnings.retain(|warning| !report.warnings.contains(warning));
+    report.warnings.append(&mut found.warnings);
+    found.outputs.into_iter().for_each(|output| report.add_output(output));
+    let (own, more) = (&mut report.timings, &found.timings);
+    for (stage, seconds) in [
+        (&mut own.read, more.read),
+        (&mut own.build, more.build),
+        (&mut own.compute, more.compute),
+        (&mut own.write, more.write),
+    ] {
+        *stage += seconds;
+    }
+    if let (Some(Results::Registration(results)), Some(Results::Inspection(judged))) =
+        (&mut report.results, found.results)
+    {
+        results.inspection = Some(judged);
+    }
+    Ok(inspection.verdict.pass)
 }

@@ -17,7 +17,7 @@ use std::fmt::Write;
 #[command(after_long_help = "\
 Every case prints the deviation from its certified answer and the largest one that is allowed, in the units of the case
 (shapes are some units in size; counts and bits must agree).
-Exit status 0: all deviations are within their bounds; 1: at least one is not; 130: interrupted.
+Exit status 0: all deviations are within their bounds; 1: at least one is not; 2: bad usage; 130: interrupted.
 
 Examples:
   indgeo selftest

@@ -89,7 +89,7 @@ pub(crate) fn run(
         needs_normals: false,
         quiet: common.quiet,
     };
-    let converged = registering::run(&job, &mut found)?;
+    let converged = registering::run(&job, &mut found)?.converged;
     finish(&mut found, if converged { ("done", 0) } else { ("not_converged", 1) });
     let Some(Results::Registration(results)) = &found.results else {
         return Err(Error::content(
@@ -178,7 +178,7 @@ fn inspect(
     let job = inspecting::Job {
         model: &data.model,
         points: &files.displaced,
-        transform: Some(&files.pose),
+        motion: inspecting::Motion::File(&files.pose),
         page: Some(&files.page),
         out: None,
         format: None,

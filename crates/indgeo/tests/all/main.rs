@@ -17,6 +17,7 @@ mod fit_subdivision;
 mod fit_surface;
 mod fits_at_limits;
 mod fits_both_ways;
+mod geodesic;
 mod inspect;
 mod interrupts;
 mod magnitudes;

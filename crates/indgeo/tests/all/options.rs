@@ -18,6 +18,10 @@ fn options_are_named_as_they_are_typed() {
             "fit-surface sheet.xyz -o s.json --init model.json --control-points 1x1",
             ["--control-points is 1", "--help"],
         ),
+        (
+            "fit-surface sheet.xyz -o s.json --control-points 2x2",
+            ["--control-points is 2, it must be more than the degree", "--help"],
+        ),
         ("register-views left.xyz right.xyz -o m --neighbours 2", ["--neighbours is 2", "--help"]),
         ("register cube.off around.xyz -o m.xyz --lock w", ["--lock <LIST>", "possible values: tx"]),
         ("convert points.xyz - --format docx", ["--format <FORMAT>", "choose ply"]),
@@ -28,6 +32,26 @@ fn options_are_named_as_they_are_typed() {
         assert!(run.code == 2 && run.stdout.is_empty(), "{arguments}: {} {}", run.code, run.stdout);
         for part in parts {
             assert!(run.stderr.contains(part), "{arguments}: {}", run.stderr);
+        }
+    }
+}
+
+#[test]
+fn the_help_of_every_command_says_its_exit_status() {
+    let bench = bench();
+    let run = bench.run("--help");
+    let commands = run.stdout.split("Commands:").nth(1).unwrap().split("Options:").next().unwrap();
+    let names: Vec<&str> = commands
+        .lines()
+        .filter(|line| line.starts_with("  ") && !line.starts_with("   "))
+        .filter_map(|line| line.split_whitespace().next())
+        .filter(|name| *name != "help")
+        .collect();
+    assert!(names.len() > 12, "{names:?}");
+    for name in names {
+        let help = bench.run(&format!("{name} --help")).stdout;
+        for part in ["xit status 0", "2:", "130"] {
+            assert!(help.contains(part), "{name}: {part} is missing in\n{help}");
         }
     }
 }

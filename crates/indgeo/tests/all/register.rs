@@ -131,6 +131,97 @@ fn points_of_the_plane_find_their_curve() {
     }
     let run = bench.run("register profile.json points.csv -o moved.csv --lock tz");
     assert!(run.code == 2 && run.stderr.contains("no effect in the plane"), "{}", run.stderr);
-    let run = bench.run("register profile.json points.csv -o moved.csv --start global");
-    assert!(run.code == 2 && run.stderr.contains("needs surfaces"), "{}", run.stderr);
+    let run = bench.run("register profile.json points.csv --transform pose.json --start global");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(difference(&json(&bench, "pose.json")["matrix"], &truth) < 1e-12);
+}
+
+/// Points of a closed curve without symmetries, from an angle on, moved by a rotation about the origin and a shift; two columns.
+fn bean(count: u32, first: f64, turn: f64, shift: [f64; 2]) -> String {
+    let at = |i: u32| first + std::f64::consts::TAU * f64::from(i) / f64::from(count);
+    let point = |angle: f64| {
+        let radius = 10.0 + 3.0 * angle.cos() + 1.5 * (2.0 * angle + 0.4).sin() + 0.7 * (3.0 * angle).cos();
+        let (x, y) = (radius * angle.cos(), radius * angle.sin());
+        let (sine, cosine) = turn.sin_cos();
+        format!("{} {}\n", cosine * x - sine * y + shift[0], sine * x + cosine * y + shift[1])
+    };
+    (0..count).map(|i| point(at(i))).collect()
+}
+
+#[test]
+fn clouds_of_two_columns_are_registered_to_each_other() {
+    let bench = Bench::new();
+    bench.put("model.xyz", bean(900, 0.0, 0.0, [0.0, 0.0]));
+    for turn in [0.05f64, 1.9, 3.1, -2.2] {
+        bench.put("scan.xyz", bean(700, 0.002, turn, [40.0, -7.0]));
+        let run =
+            bench.run("register model.xyz scan.xyz -o moved.xyz --transform pose.json --json report.json");
+        assert_eq!(run.code, 0, "{turn}: {}", run.stderr);
+        let (pose, report) = (json(&bench, "pose.json"), json(&bench, "report.json"));
+        let entry = |i: usize, j: usize| pose["matrix"][i][j].as_f64().unwrap();
+        let (sine, cosine) = turn.sin_cos();
+        let shift = [-(cosine * 40.0 - sine * 7.0), sine * 40.0 + cosine * 7.0];
+        for ([i, j], right) in
+            [([0, 0], cosine), ([1, 0], -sine), ([0, 3], shift[0]), ([1, 3], shift[1]), ([2, 2], 1.0)]
+        {
+            assert!((entry(i, j) - right).abs() < 1e-4 * right.abs().max(1.0), "{turn}: {pose}");
+        }
+        assert_eq!((&report["model"]["kind"], &report["model"]["dimension"]), (&"cloud".into(), &2.into()));
+        assert!(bench.text("moved.xyz").lines().all(|line| line.split(' ').count() == 2));
+    }
+}
+
+#[test]
+fn a_circle_in_the_plane_leaves_its_turn_free() {
+    let bench = Bench::new();
+    let circle = |count: u32, shift: f64| -> String {
+        let at = |i: u32| std::f64::consts::TAU * f64::from(i) / f64::from(count);
+        (0..count).map(|i| format!("{} {}\n", at(i).cos() + shift, at(i).sin() - shift)).collect()
+    };
+    bench.put("model.xyz", circle(500, 0.0));
+    bench.put("scan.xyz", circle(300, 0.3));
+    let run = bench.run("register model.xyz scan.xyz --transform pose.json");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let free = &json(&bench, "pose.json")["free_motions"];
+    assert!(
+        free.as_array().is_some_and(|free| free.len() == 1 && free[0].as_str().unwrap().contains("rotation")),
+        "{free}"
+    );
+    // Points of three columns do not lie in the plane.
+    bench.put("space.xyz", "0 0 1\n1 0 1\n0 1 1\n1 1 2\n");
+    let run = bench.run("register model.xyz space.xyz --transform pose.json");
+    assert!(run.code == 2 && run.stderr.contains("has z = 1"), "{}", run.stderr);
+}
+
+#[test]
+fn the_moved_points_can_be_judged_at_once() {
+    let bench = Bench::new();
+    let (model, case) = (fixture("register-cases/cad.json"), fixture("register-cases/cad_noise1e-3"));
+    let command = format!("register {model} {case}/source.ply --start global --inspect --json report.json");
+    let run = bench.run(&format!("{command} -t 0.5 --report page.html --transform pose.json"));
+    assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+    let report = json(&bench, "report.json");
+    let judged = &report["results"]["inspection"];
+    assert!(judged["within_tolerance"] == true && report["results"]["status"] == "converged", "{judged}");
+    assert!(bench.text("page.html").contains("<html"));
+    // The same as two commands one after the other.
+    let run = bench
+        .run(&format!("inspect {model} {case}/source.ply --transform pose.json -t 0.5 --json alone.json"));
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let alone = &json(&bench, "alone.json")["results"];
+    let number = |value: &Value, name: &str| value[name].as_f64().unwrap();
+    for name in ["rms", "max", "share_within"] {
+        assert!((number(judged, name) - number(alone, name)).abs() <= 1e-12 * number(alone, name), "{name}");
+    }
+    // A tolerance that does not hold is no success, though the pose is right.
+    let run = bench.run(&format!("{command} -t {}", 0.5 * number(alone, "max")));
+    assert_eq!(run.code, 1, "{}", run.stderr);
+    let report = json(&bench, "report.json");
+    assert!(report["status"] == "out_of_tolerance" && report["results"]["status"] == "converged", "{report}");
+    for (arguments, message) in
+        [("--inspect", "--tolerance"), ("-t 0.1", "--inspect"), ("--report a.html", "--inspect")]
+    {
+        let run = bench.run(&format!("register {model} {case}/source.ply -o a.ply {arguments}"));
+        assert!(run.code == 2 && run.stderr.contains(message), "{arguments}: {}", run.stderr);
+    }
 }
