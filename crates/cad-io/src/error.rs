@@ -2,7 +2,7 @@
 
 use std::fmt;
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// A place in a CAD file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -79,4 +79,15 @@ pub enum Error {
         /// Why not.
         why: String,
     },
+}
+
+impl Error {
+    /// The same error, with the name of the file.
+    #[must_use]
+    pub fn in_file(mut self, path: &Path) -> Self {
+        if let Self::Malformed { location, .. } | Self::Unsupported { location, .. } = &mut self {
+            location.file = Some(path.to_owned());
+        }
+        self
+    }
 }
