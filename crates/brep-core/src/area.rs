@@ -104,7 +104,7 @@ impl Part {
                 primitive.at(p) * d.x
             }
         };
-        let mut sum = 0.0;
+        let (mut sum, mut turned) = (0.0, 0.0);
         for &(s, weight) in rule {
             let chordwise = c.uv[0] * (1.0 - s) + c.uv[1] * s;
             let Some(owner) = c.owner.filter(|_| c.t[0] != c.t[1]) else {
@@ -116,8 +116,11 @@ impl Part {
             let flip = |p: Vector2<f64>| if boundary.swap { Vector2::new(p.y, p.x) } else { p };
             let uv = f.surface.invert(&jet.point, Some(&flip(chordwise))).at;
             let own = f.surface.jet(&uv);
-            // Derivatives of the parameters: the tangent of the edge in the basis of the tangent plane.
-            let (e, g, h) = (own.du.norm_squared(), own.dv.norm_squared(), own.du.dot(&own.dv));
+            // Derivatives of the parameters of the foot of a moving point, which need not lie on the surface.
+            let off = jet.point - own.point;
+            let e = own.du.norm_squared() - off.dot(&own.duu);
+            let g = own.dv.norm_squared() - off.dot(&own.dvv);
+            let h = own.du.dot(&own.dv) - off.dot(&own.duv);
             let (a, b) = (own.du.dot(&jet.d1), own.dv.dot(&jet.d1));
             let det = e * g - h * h;
             let d = if det > 1e-20 * e * g {
@@ -125,9 +128,21 @@ impl Part {
             } else {
                 Vector2::zeros()
             };
-            sum += weight * value(&flip(uv), &(flip(d) * (c.t[1] - c.t[0])));
+            let d = flip(d) * (c.t[1] - c.t[0]);
+            turned += weight * d.x;
+            sum += weight * value(&flip(uv), &d);
         }
-        sum
+        if around || c.owner.is_none() || c.t[0] == c.t[1] {
+            return sum;
+        }
+        // Next to a pole the first parameter turns faster than the rule can follow: what it missed happened there.
+        let turn_at = |p: &Vector2<f64>| {
+            let jet = f.surface.jet(&if boundary.swap { Vector2::new(p.y, p.x) } else { *p });
+            if boundary.swap { jet.dv.norm() } else { jet.du.norm() }
+        };
+        let places = [c.uv[0], c.uv[1], (c.uv[0] + c.uv[1]) * 0.5];
+        let pole = places.iter().min_by(|a, b| turn_at(a).total_cmp(&turn_at(b)));
+        sum + pole.map_or(0.0, |p| primitive.at(p) * (c.uv[1].x - c.uv[0].x - turned))
     }
 
     /// Area of the whole carrier.

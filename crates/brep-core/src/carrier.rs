@@ -10,8 +10,8 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 /// Share of the size of a B-spline surface below which its sides count as equal or as one point.
 const CLOSED: f64 = 1e-7;
 
-/// Share of a radius below which a point counts as one on the axis.
-const ON_AXIS: f64 = 1e-11;
+/// Share of a radius below which a point counts as one on the axis. Edges that end at a pole miss it by as much.
+const ON_AXIS: f64 = 1e-7;
 
 /// A point of the parameter plane; at a pole the first parameter means nothing.
 #[derive(Clone, Copy, Debug)]
@@ -201,13 +201,19 @@ impl Surface {
                 let sign = if (p.z - apex) * slope < 0.0 { -1.0 } else { 1.0 };
                 let rho = p.x.hypot(p.y);
                 let v = foot_on_generator(sign * rho, p.z, *radius, *slope);
-                let near_apex = rho < ON_AXIS * (apex.abs() + p.z.abs()) || (v - apex) * slope * sign <= 0.0;
+                let near_apex = rho < ON_AXIS * radius.max(rho)
+                    && (v - apex).abs() < ON_AXIS * apex.abs().max(v.abs())
+                    || (v - apex) * slope * sign <= 0.0;
+                let v = if near_apex { apex } else { v };
                 (Vector2::new((sign * p.y).atan2(sign * p.x), v), near_apex)
             }
             Kind::Sphere { frame, radius } => {
                 let p = frame.local(x);
                 let rho = p.x.hypot(p.y);
-                (Vector2::new(p.y.atan2(p.x), p.z.atan2(rho)), rho < ON_AXIS * radius)
+                let pole = rho < ON_AXIS * radius;
+                // At the pole itself: how far away the point is counts as a distance from the carrier.
+                let v = if pole { FRAC_PI_2.copysign(p.z) } else { p.z.atan2(rho) };
+                (Vector2::new(p.y.atan2(p.x), v), pole)
             }
             Kind::Torus { frame, major, .. } => {
                 let p = frame.local(x);

@@ -82,22 +82,21 @@ impl Part {
                     query.best.offer(distance, distance, On::Apex { face }, point);
                 }
             }
-            query.best.distance
+            query.best.reach()
         });
-        let Best { distance, lower, found } = query.best;
+        let reach = query.best.reach();
+        let Best { distance, lower, found, ties, .. } = query.best;
         let Some((on, point)) = found else { return (None, lower) };
-        let Sides { side, normal, open, face } = match on {
-            On::Face { face, uv } => {
-                let normal = self.faces[face].normal(uv);
-                Sides { side: side(&(x - point), &normal), normal, open: false, face: Some(face) }
+        let mut chosen = (on, point, self.sides(on, x, &point));
+        // Where solids touch, faces at one place have opposite normals: inside of one of them is inside.
+        for (_, on, point) in ties.into_iter().filter(|t| t.0 <= reach) {
+            let sides = self.sides(on, x, &point);
+            if chosen.2.side == Side::Positive && sides.side == Side::Negative && self.is_closed_at(&sides) {
+                chosen = (on, point, sides);
             }
-            On::Edge { edge, t } => self.edge_sides(edge, t, &(x - point)),
-            On::Vertex { edge, end } => self.vertex_sides(self.edges[edge].vertices[end], edge, &(x - point)),
-            On::Apex { face } => {
-                Sides { side: Side::Undecided, normal: Vector3::zeros(), open: false, face: Some(face) }
-                    .or(self.apex_side(face, x, &point))
-            }
-        };
+        }
+        let (on, point, Sides { side, normal, open, face }) = chosen;
+        let distance = distance.max((x - point).norm());
         let lower_bound = lower.min(distance);
         let foot =
             Foot { instance: 0, face, on, point, distance, lower_bound, side, normal, beyond_boundary: open };

@@ -69,6 +69,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                     Some(d) if (d > 0.0) != (row[10] == "1") => {
                         sides += 1;
                         println!("    row {i}: side {} expected, {d} {:?}", row[10], foot.on);
+                        for instance in model.instances() {
+                            let own = model.parts()[instance.part]
+                                .nearest(&instance.placement.inverse_point(&points[i]));
+                            println!(
+                                "        part {}: {:?}",
+                                instance.part,
+                                own.map(|f| (f.distance, f.side, f.on))
+                            );
+                        }
                     }
                     _ => {}
                 }
@@ -95,22 +104,27 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             );
         }
         let seconds = start.elapsed().as_secs_f64();
-        own.sort_by(|a, b| b.0.total_cmp(&a.0));
         let rows = table(&args[2])?;
-        let mut bad = 0;
-        let mut worst = 0f64;
+        let (mut bad, mut worst) = (0, 0f64);
         println!("  areas: {} own, {} expected, {seconds:.2} s", own.len(), rows.len());
-        for (row, (area, source)) in rows.iter().zip(&own) {
+        // Each row takes the face whose area is next to its own.
+        for row in &rows {
             let number = |i: usize| row[i].parse::<f64>().unwrap_or(f64::NAN);
-            let allowed = 1e-6 * number(0) + number(4) * number(3);
-            let off = (area - number(0)).abs();
-            worst = worst.max(off / number(0));
+            let off = |found: &(f64, u64)| (found.0 - number(0)).abs();
+            let Some(at) = (0..own.len()).min_by(|a, b| off(&own[*a]).total_cmp(&off(&own[*b]))) else {
+                break;
+            };
+            let (allowed, off) = (1e-6 * number(0) + number(4) * number(3), off(&own[at]));
             if off > allowed {
                 bad += 1;
-                if bad < 12 {
-                    println!("    #{source}: {} ({}) expected, {area} found", row[0], row[1]);
-                }
+                println!("    #{}: {} ({}) expected, {} found", own[at].1, row[0], row[1], own[at].0);
+            } else {
+                worst = worst.max(off / number(0));
+                own.swap_remove(at);
             }
+        }
+        for (area, source) in own {
+            println!("    #{source}: {area} has no counterpart");
         }
         println!("  areas: {bad} of {} wrong, worst relative {worst:.2e}", rows.len());
     }
