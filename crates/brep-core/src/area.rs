@@ -17,6 +17,17 @@ const ALONG: usize = 6;
 /// Places of a span of a B-spline at which the element of area is evaluated.
 const ACROSS: usize = 10;
 
+/// Pieces of a chord on a B-spline, whose element of area has kinks at its knots.
+const SPLINE_PIECES: usize = 4;
+
+/// Nodes and weights on `[0, 1]` of a rule that is applied to equal pieces.
+fn composite(count: usize, pieces: usize) -> Vec<(f64, f64)> {
+    let (rule, n) = (gauss_legendre(count), pieces as f64);
+    (0..pieces)
+        .flat_map(|k| rule.clone().into_iter().map(move |(s, w)| ((k as f64 + s) / n, w / n)))
+        .collect()
+}
+
 /// The integral of the element of area along the second parameter.
 struct Primitive<'a> {
     surface: &'a Surface,
@@ -74,7 +85,8 @@ impl Part {
             None => 0.0,
         };
         let primitive = Primitive { surface: &f.surface, swap, start, rule: gauss_legendre(ACROSS) };
-        let rule = gauss_legendre(ALONG);
+        let pieces = if f.surface.spline().is_some() { SPLINE_PIECES } else { 1 };
+        let rule = composite(ALONG, pieces);
         let sign = if f.same_sense == swap { 1.0 } else { -1.0 };
         let integral: f64 =
             boundary.chords.iter().map(|c| self.chord_integral(f, c, &primitive, &rule)).sum();

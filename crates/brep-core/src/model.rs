@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::description::{LengthUnit, ModelDescription, Placement, Unread};
-use crate::foot::{Foot, Side};
+use crate::foot::{Foot, On, Side};
 use crate::part::Part;
 use nalgebra::Vector3;
 use nurbs_core::Aabb;
@@ -159,7 +159,24 @@ impl Model {
                 });
             }
         }
-        best.map(|foot| Foot { lower_bound: lower.min(foot.distance), ..foot })
+        let foot = best.map(|foot| Foot { lower_bound: lower.min(foot.distance), ..foot })?;
+        let on_face = matches!(foot.on, On::Face { .. });
+        if !on_face && foot.side == Side::Positive && self.is_inside_another(x, foot.instance) {
+            // An edge inside of another solid: the point is in the material, whatever the faces at the edge say.
+            return Some(Foot { side: Side::Negative, normal: -foot.normal, ..foot });
+        }
+        Some(foot)
+    }
+
+    /// Whether a point is inside of a solid of another instance.
+    fn is_inside_another(&self, x: &Vector3<f64>, than: usize) -> bool {
+        self.instances.iter().enumerate().any(|(index, instance)| {
+            index != than && instance.bounds.contains(x) && {
+                let part = &self.parts[instance.part];
+                let found = part.nearest(&instance.placement.inverse_point(x));
+                found.is_some_and(|f| f.side == Side::Negative && self.is_closed_at(instance.part, &f))
+            }
+        })
     }
 
     /// Whether the face of a foot belongs to a closed shell.
