@@ -99,10 +99,10 @@ impl Part {
         let corners = edges.iter().flat_map(|e| [e.bounds.min, e.bounds.max]).collect::<Vec<_>>();
         let mut size = Aabb::of_points(&corners).map_or(0.0, |b| b.diagonal());
         for face in &description.faces {
-            if let crate::description::Carrier::Nurbs(surface) = &face.carrier {
-                if face.loops.is_empty() {
-                    size = size.max(surface.control_box().diagonal());
-                }
+            if let crate::description::Carrier::Nurbs(surface) = &face.carrier
+                && face.loops.is_empty()
+            {
+                size = size.max(surface.control_box().diagonal());
             }
         }
         let mut part = Self {
