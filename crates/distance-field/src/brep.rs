@@ -14,8 +14,8 @@ const GAP: f64 = 1e-7;
 /// The distance from the faces and edges of a CAD model, signed by the normals of the faces.
 ///
 /// Footpoints are exact and, in a global search, certified. On a face the frame is the principal frame of its surface; on
-/// an edge the foot moves along the edge, at a vertex it cannot move. Where the side is not decided (at the boundary of an
-/// open shell) the distance is positive.
+/// an edge the foot moves along the edge, at a vertex it cannot move. Where the side is not decided the distance is
+/// positive.
 #[derive(Clone, Debug)]
 pub struct BrepField {
     model: Arc<Model>,
