@@ -1,6 +1,6 @@
 //! What ends a command with exit status 2.
 
-use industrial_geometry::{footpoint, io, mesh};
+use industrial_geometry::{cad, footpoint, io, mesh};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -14,6 +14,13 @@ pub(crate) enum Error {
         /// What the reader or writer says.
         #[from]
         source: io::Error,
+    },
+    /// A CAD file cannot be read.
+    #[error("{source}")]
+    Cad {
+        /// What the reader says.
+        #[from]
+        source: cad::Error,
     },
     /// A file was read, but its content does not serve.
     #[error("{}: {what}; {advice}", path.display())]

@@ -1,5 +1,6 @@
 //! The inspection of a cloud: read, measure, judge, write. `inspect` and `demo` both run this.
 
+use crate::cad::Choice;
 use crate::error::Error;
 use crate::files;
 use crate::model::{Loaded, Model};
@@ -55,6 +56,8 @@ impl Motion<'_> {
 pub(crate) struct Job<'a> {
     /// File of the model.
     pub(crate) model: &'a Path,
+    /// What is chosen of a CAD model.
+    pub(crate) cad: &'a Choice,
     /// File of the points.
     pub(crate) points: &'a Path,
     /// How the points are moved first.
@@ -88,8 +91,8 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Inspection, Erro
         files::check_writable(path, &inputs)?;
     }
     let mut timings = Timings::default();
-    let loaded = Timings::measure(&mut timings.read, || Loaded::read(job.model))?;
-    report.add_input(Input::new("model", job.model, &loaded.report));
+    let loaded = Timings::measure(&mut timings.read, || Loaded::read(job.model, job.cad))?;
+    report.add_input(loaded.input(job.model));
     let transform = job.motion.transform()?;
     let mut points = Timings::measure(&mut timings.read, || Points::read(job.points, job.drop_non_finite))?;
     report.add_input(Input::new("points", job.points, &points.report));
@@ -117,12 +120,24 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Inspection, Erro
         }
     }
 
+    if let Model::Cad(cad) = &loaded.model {
+        report.warnings.extend(cad.unit_warning(points.diagonal()));
+    }
+    let unit = match &loaded.model {
+        Model::Cad(cad) => Some(cad.unit().to_owned()),
+        _ => None,
+    };
     let nominal = Timings::measure(&mut timings.build, || build(loaded, job, report))?;
     if options.along == Along::Normal && options.max_angle.is_none() && nominal.is_signed() {
         options = options.with_max_angle(FRAC_PI_2);
     }
     report.model = Some(ModelSummary {
-        kind: if measured == Measured::Mesh { "mesh" } else { "nurbs" },
+        kind: match measured {
+            Measured::Mesh => "mesh",
+            _ if unit.is_some() => "cad",
+            _ => "nurbs",
+        },
+        unit,
         dimension: if measured == Measured::Profile { 2 } else { 3 },
         shapes: nominal.shapes().len(),
         patches: nominal.piece_count(),
@@ -280,7 +295,7 @@ fn measured(model: &Model) -> Measured {
     match model {
         Model::Plane(_) => Measured::Profile,
         Model::Space { surfaces, .. } if surfaces.shapes.is_empty() => Measured::Curves,
-        Model::Space { .. } => Measured::Surfaces,
+        Model::Space { .. } | Model::Cad(_) => Measured::Surfaces,
         Model::Mesh(_) => Measured::Mesh,
     }
 }
@@ -311,6 +326,7 @@ fn build(loaded: Loaded, job: &Job<'_>, report: &mut Report) -> Result<Nominal, 
             Nominal::from_surfaces(surfaces.shapes).map(|nominal| nominal.with_names(names))
         }
         Model::Mesh(mesh) => Nominal::from_mesh(&mesh),
+        Model::Cad(cad) => Nominal::from_brep(cad.model),
     };
     let nominal = nominal
         .map_err(|error| Error::content(job.model, error.to_string(), "check it with `indgeo info`"))?;

@@ -5,6 +5,7 @@ mod aligning;
 mod alignment_summary;
 mod args;
 mod between_vertices;
+mod cad;
 mod commands;
 mod datum_file;
 mod demo;

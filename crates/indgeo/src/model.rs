@@ -1,9 +1,11 @@
 //! The model that points are projected onto.
 
+use crate::cad::{CadModel, Choice};
 use crate::error::Error;
 use crate::files;
+use crate::report::Input;
 use crate::wording::counted;
-use industrial_geometry::io::{Content, ReadOptions, ReadReport, Shape};
+use industrial_geometry::io::{Content, Format, ReadOptions, ReadReport, Shape};
 use industrial_geometry::mesh::TriangleMesh;
 use industrial_geometry::nurbs::{BsplineCurve, BsplineSurface};
 use std::path::Path;
@@ -31,6 +33,8 @@ pub(crate) enum Model {
     },
     /// A triangle mesh.
     Mesh(TriangleMesh),
+    /// A CAD model.
+    Cad(CadModel),
 }
 
 /// A model as read.
@@ -38,15 +42,18 @@ pub(crate) enum Model {
 pub(crate) struct Loaded {
     /// The model.
     pub(crate) model: Model,
-    /// Kind and name of each shape: `surface`, `curve` or `mesh`.
+    /// Kind and name of each shape: `surface`, `curve`, `face` or `mesh`.
     pub(crate) shapes: Vec<(&'static str, Option<String>)>,
     /// How reading went.
     pub(crate) report: ReadReport,
 }
 
 impl Loaded {
-    /// Reads NURBS JSON or a mesh.
-    pub(crate) fn read(path: &Path) -> Result<Self, Error> {
+    /// Reads NURBS JSON, a mesh or a CAD file.
+    pub(crate) fn read(path: &Path, choice: &Choice) -> Result<Self, Error> {
+        if let Some(cad) = CadModel::read(path, choice)? {
+            return Ok(Self::of_cad(cad, path));
+        }
         let loaded = files::read(path, &ReadOptions::default())?;
         let report = loaded.report;
         match loaded.content {
@@ -61,12 +68,39 @@ impl Loaded {
             }
             Content::Cloud(_) => {
                 let what = format!(
-                    "a model is needed (NURBS as JSON, or a mesh), but this file holds {} without triangles",
+                    "a model is needed (NURBS as JSON, STEP, or a mesh), but this file holds {} without triangles",
                     counted(report.points, "point")
                 );
                 Err(Error::content(path, what, "the order is MODEL POINTS"))
             }
         }
+    }
+}
+
+impl Loaded {
+    /// A CAD model with what reports say about its file.
+    pub(crate) fn of_cad(cad: CadModel, path: &Path) -> Self {
+        let report = ReadReport {
+            path: Some(path.to_path_buf()),
+            // Not looked at: the format of a CAD model is its own.
+            format: Format::Json,
+            points: 0,
+            triangles: 0,
+            shapes: cad.face_count(),
+            non_finite: 0,
+            dropped: 0,
+            warnings: cad.warnings.clone(),
+        };
+        Self { shapes: cad.shapes(), model: Model::Cad(cad), report }
+    }
+
+    /// The file as an input of a report.
+    pub(crate) fn input(&self, path: &Path) -> Input {
+        let mut input = Input::new("model", path, &self.report);
+        if let Model::Cad(cad) = &self.model {
+            input.read.format = cad.format.to_owned();
+        }
+        input
     }
 }
 

@@ -4,8 +4,8 @@ use crate::error::Error;
 use crate::files;
 use crate::wording::counted;
 use industrial_geometry::io::{Content, ReadOptions, ReadReport};
-use industrial_geometry::mesh::TextField;
 use industrial_geometry::mesh::nalgebra::{Point3, Vector2, Vector3};
+use industrial_geometry::mesh::{BoundingBox, TextField};
 use std::path::Path;
 
 /// Points with the triangles over them, as read.
@@ -50,6 +50,11 @@ impl Points {
         let normals = attributes.take_normals();
         let names = attributes.names().cloned();
         Ok(Self { positions, normals, names, is_planar, triangles, report })
+    }
+
+    /// Diagonal of the box of the finite points.
+    pub(crate) fn diagonal(&self) -> f64 {
+        BoundingBox::of(&self.positions).map_or(0.0, |bounds| bounds.diagonal())
     }
 
     /// The name of the point at `index`, if it has one.

@@ -1,9 +1,10 @@
 //! The main job: read a model and points, project, write, report. `project` and `demo` both run this.
 
+use crate::cad::Choice;
 use crate::commands::project::SearchMode;
 use crate::error::Error;
 use crate::files;
-use crate::model::Loaded;
+use crate::model::{Loaded, Model};
 use crate::output::{self, Format, Layout, NAME, Table};
 use crate::points::Points;
 use crate::progress::Progress;
@@ -29,6 +30,8 @@ const UNPROVEN: &str = "uncertified";
 pub(crate) struct Job<'a> {
     /// File of the model.
     pub(crate) model: &'a Path,
+    /// What is chosen of a CAD model.
+    pub(crate) cad: &'a Choice,
     /// File of the points.
     pub(crate) points: &'a Path,
     /// File of the result.
@@ -67,8 +70,8 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Projected, Error
     files::check_writable(job.out, &[job.model, job.points])?;
 
     let mut timings = Timings::default();
-    let loaded = Timings::measure(&mut timings.read, || Loaded::read(job.model))?;
-    report.add_input(Input::new("model", job.model, &loaded.report));
+    let loaded = Timings::measure(&mut timings.read, || Loaded::read(job.model, job.cad))?;
+    report.add_input(loaded.input(job.model));
     let mut points = Timings::measure(&mut timings.read, || Points::read(job.points, job.drop_non_finite))?;
     if job.max_angle.is_none() {
         points.normals = None;
@@ -80,6 +83,9 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Projected, Error
     report.timings = timings;
     warn(report, job, &loaded, &points);
 
+    if let Model::Cad(cad) = &loaded.model {
+        report.warnings.extend(cad.unit_warning(points.diagonal()));
+    }
     let shapes = loaded.shapes;
     let target = Timings::measure(&mut timings.build, || Target::build(loaded.model, job.model))?;
     if job.max_angle.is_some() {
@@ -193,8 +199,13 @@ fn summarise(target: &Target, shapes: usize) -> ModelSummary {
         Target::Plane(_) => ("nurbs", 2, false),
         Target::Space { surfaces, .. } => ("nurbs", 3, surfaces.is_some()),
         Target::Mesh(mesh) => ("mesh", 3, mesh.is_solid()),
+        Target::Cad(_) => ("cad", 3, true),
     };
-    ModelSummary { kind, dimension, shapes, patches: target.piece_count(), signed }
+    let unit = match target {
+        Target::Cad(cad) => Some(cad.unit().to_owned()),
+        _ => None,
+    };
+    ModelSummary { kind, unit, dimension, shapes, patches: target.piece_count(), signed }
 }
 
 fn results(

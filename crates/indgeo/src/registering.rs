@@ -1,5 +1,6 @@
 //! The registration of a cloud: read, start, register, choose, write.
 
+use crate::cad::Choice;
 use crate::error::Error;
 use crate::files;
 use crate::moving::moved;
@@ -44,6 +45,8 @@ pub(crate) enum Start<'a> {
 pub(crate) struct Job<'a> {
     /// File of the model.
     pub(crate) model: &'a Path,
+    /// What is chosen of a CAD model.
+    pub(crate) cad: &'a Choice,
     /// File of the points.
     pub(crate) points: &'a Path,
     /// File of the moved points.
@@ -88,9 +91,14 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Registered, Erro
         files::check_writable(path, &inputs)?;
     }
     let mut timings = Timings::default();
-    let (model, read) =
-        Timings::measure(&mut timings.read, || RegistrationModel::read(job.model, &mut report.warnings))?;
-    report.add_input(Input::new("model", job.model, &read));
+    let (model, read) = Timings::measure(&mut timings.read, || {
+        RegistrationModel::read(job.model, job.cad, &mut report.warnings)
+    })?;
+    let mut input = Input::new("model", job.model, &read);
+    if let RegistrationModel::Cad(cad) = &model {
+        input.read.format = cad.format.to_owned();
+    }
+    report.add_input(input);
     let given = init.map(poses::read).transpose()?;
     let loaded = Timings::measure(&mut timings.read, || files::read(job.points, &ReadOptions::default()))?;
     report.add_input(Input::new("points", job.points, &loaded.report));
@@ -111,13 +119,27 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Registered, Erro
             ));
         }
     }
+    if let RegistrationModel::Cad(cad) = &model {
+        let scan = industrial_geometry::mesh::BoundingBox::of(
+            &cloud
+                .positions
+                .iter()
+                .map(|p| industrial_geometry::mesh::nalgebra::Point3::from(*p))
+                .collect::<Vec<_>>(),
+        );
+        report.warnings.extend(scan.and_then(|scan| cad.unit_warning(scan.diagonal())));
+    }
     let field = Timings::measure(&mut timings.build, || model.field(job.model))?;
     report.model = Some(ModelSummary {
         kind: model.kind(),
+        unit: model.unit(),
         dimension: if is_planar { 2 } else { 3 },
-        shapes: 1.max(if model.kind() == "nurbs" { model.count() } else { 1 }),
+        shapes: 1.max(if matches!(model.kind(), "nurbs" | "cad") { model.count() } else { 1 }),
         patches: model.count(),
-        signed: matches!(model, RegistrationModel::Surfaces(_) | RegistrationModel::Plane(_)),
+        signed: matches!(
+            model,
+            RegistrationModel::Surfaces(_) | RegistrationModel::Plane(_) | RegistrationModel::Cad(_)
+        ),
     });
 
     let progress = Progress::iterations("registering", job.quiet);

@@ -1,11 +1,13 @@
 //! The shape that points are registered to: its distance field, and samples for a start without a guess.
 
+use crate::cad::{CadModel, Choice};
 use crate::error::Error;
 use crate::files;
+use crate::model::Loaded;
 use crate::registration_field::RegistrationField;
 use crate::wording::{counted, not_finite};
 use industrial_geometry::distance_field::{
-    CloudField, CurveField, DistanceField, MeshField, PlanarCloudField, SurfaceField,
+    BrepField, CloudField, CurveField, DistanceField, MeshField, PlanarCloudField, SurfaceField,
 };
 use industrial_geometry::io::{Content, ReadOptions, ReadReport, Shape};
 use industrial_geometry::mesh::{MeshProjector, PointCloud, TriangleMesh};
@@ -33,11 +35,22 @@ pub(crate) enum RegistrationModel {
     Cloud(PointCloud),
     /// A cloud in the plane, dense enough to stand for a curve.
     PlanarCloud(PointCloud),
+    /// A CAD model.
+    Cad(CadModel),
 }
 
 impl RegistrationModel {
     /// Reads NURBS JSON, a mesh or a cloud.
-    pub(crate) fn read(path: &Path, warnings: &mut Vec<String>) -> Result<(Self, ReadReport), Error> {
+    pub(crate) fn read(
+        path: &Path,
+        choice: &Choice,
+        warnings: &mut Vec<String>,
+    ) -> Result<(Self, ReadReport), Error> {
+        if let Some(cad) = CadModel::read(path, choice)? {
+            warnings.extend(cad.warnings.iter().map(|warning| format!("{}: {warning}", path.display())));
+            let report = Loaded::of_cad(cad.clone(), path).report;
+            return Ok((Self::Cad(cad), report));
+        }
         let loaded = files::read(path, &ReadOptions::default().with_drop_non_finite(true))?;
         let report = loaded.report;
         warnings.extend(report.warnings.iter().map(|warning| format!("{}: {warning}", path.display())));
@@ -94,12 +107,13 @@ impl RegistrationModel {
         }
     }
 
-    /// `nurbs`, `mesh` or `cloud`.
+    /// `nurbs`, `mesh`, `cloud` or `cad`.
     pub(crate) fn kind(&self) -> &'static str {
         match self {
             Self::Surfaces(_) | Self::Plane(_) | Self::Curves(_) => "nurbs",
             Self::Mesh(_) => "mesh",
             Self::Cloud(_) | Self::PlanarCloud(_) => "cloud",
+            Self::Cad(_) => "cad",
         }
     }
 
@@ -108,7 +122,15 @@ impl RegistrationModel {
         matches!(self, Self::Plane(_) | Self::PlanarCloud(_))
     }
 
-    /// Number of curves and surfaces, triangles or points.
+    /// Unit of length that a CAD file states.
+    pub(crate) fn unit(&self) -> Option<String> {
+        match self {
+            Self::Cad(cad) => Some(cad.unit().to_owned()),
+            _ => None,
+        }
+    }
+
+    /// Number of curves, surfaces and faces, triangles or points.
     pub(crate) fn count(&self) -> usize {
         match self {
             Self::Surfaces(surfaces) => surfaces.len(),
@@ -116,6 +138,8 @@ impl RegistrationModel {
             Self::Curves(curves) => curves.len(),
             Self::Mesh(mesh) => mesh.triangles().len(),
             Self::Cloud(cloud) | Self::PlanarCloud(cloud) => cloud.len(),
+            Self::Cloud(cloud) => cloud.len(),
+            Self::Cad(cad) => cad.face_count(),
         }
     }
 
@@ -139,6 +163,7 @@ impl RegistrationModel {
             Self::Surfaces(surfaces) => SurfaceField::for_model(surfaces).map(|field| Box::new(field) as _),
             Self::Curves(curves) => CurveField::for_model(curves).map(|field| Box::new(field) as _),
             Self::Mesh(mesh) => MeshField::new(mesh).map(|field| Box::new(field) as _),
+            Self::Cad(cad) => Ok(Box::new(BrepField::new(cad.model.clone())) as _),
             Self::Cloud(cloud) => CloudField::new(cloud.positions(), cloud.attributes().normals())
                 .map(|field| Box::new(field) as _),
         };
@@ -148,7 +173,7 @@ impl RegistrationModel {
     /// Makes sure that the model has normals that tell sides, with which those of points can agree.
     pub(crate) fn check_normals(&self, path: &Path) -> Result<(), Error> {
         let what = match self {
-            Self::Surfaces(_) => return Ok(()),
+            Self::Surfaces(_) | Self::Cad(_) => return Ok(()),
             Self::Plane(_) | Self::Curves(_) => "the model has curves, which have no normals",
             Self::Cloud(cloud) | Self::PlanarCloud(cloud) if cloud.attributes().normals().is_some() => {
                 return Ok(());
@@ -174,6 +199,12 @@ impl RegistrationModel {
                 Ok(OrientedPoints::from_surfaces(&surfaces, SAMPLES))
             }
             Self::Mesh(mesh) => Ok(OrientedPoints::from_mesh(mesh, SAMPLES)),
+            Self::Cad(cad) => {
+                let (points, normals): (Vec<_>, Vec<_>) =
+                    cad.model.samples(SAMPLES).into_iter().map(|s| (s.point, s.normal)).unzip();
+                OrientedPoints::new(&points, &normals)
+                    .map_err(|error| Error::content(path, error.to_string(), ADVICE))
+            }
             Self::Cloud(cloud) => OrientedPoints::from_cloud(cloud)
                 .map_err(|error| Error::content(path, error.to_string(), ADVICE)),
             Self::Plane(_) | Self::PlanarCloud(_) | Self::Curves(_) => Err(Error::content(

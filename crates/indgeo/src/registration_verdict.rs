@@ -82,7 +82,10 @@ pub(crate) fn may_be_symmetric(
     result: &RegisterReport<3>,
     options: &RegisterOptions<3>,
 ) -> bool {
-    let has_area = matches!(model, RegistrationModel::Surfaces(_) | RegistrationModel::Mesh(_));
+    let has_area = matches!(
+        model,
+        RegistrationModel::Surfaces(_) | RegistrationModel::Mesh(_) | RegistrationModel::Cad(_)
+    );
     has_area && result.is_converged() && result.free_motions.is_empty() && !options.locks.any()
 }
 

@@ -174,13 +174,16 @@ pub(crate) struct Output {
 /// What was projected onto.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct ModelSummary {
-    /// `nurbs` or `mesh`.
+    /// `nurbs`, `mesh` or `cad`.
     pub(crate) kind: &'static str,
+    /// Unit of length that a CAD file states.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) unit: Option<String>,
     /// Dimension of the space it lies in.
     pub(crate) dimension: usize,
-    /// Number of curves and surfaces (1 for a mesh).
+    /// Number of curves, surfaces and faces (1 for a mesh).
     pub(crate) shapes: usize,
-    /// Number of Bézier patches and pieces, or of triangles, that are searched.
+    /// Number of Bézier patches and pieces, of faces or of triangles, that are searched.
     pub(crate) patches: usize,
     /// Whether distances have a sign.
     pub(crate) signed: bool,

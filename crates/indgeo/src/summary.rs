@@ -42,7 +42,11 @@ pub(crate) fn of(report: &Report) -> String {
 
 fn write_projection(text: &mut String, report: &Report, results: &ProjectionResults) -> std::fmt::Result {
     if let Some(model) = &report.model {
-        let piece = if model.kind == "mesh" { "triangle" } else { "Bézier piece" };
+        let piece = match model.kind {
+            "mesh" => "triangle",
+            "cad" => "face",
+            _ => "Bézier piece",
+        };
         writeln!(
             text,
             "{} projected onto {} ({})",

@@ -1,9 +1,11 @@
 //! A model prepared for projection, and the footpoints on it in one form for all kinds of model.
 
+use crate::cad::{self, CadModel};
 use crate::error::Error;
 use crate::model::{Indexed, Model};
 use crate::points::Points;
 use crate::threads;
+use industrial_geometry::brep::On;
 use industrial_geometry::footpoint::Facing;
 use industrial_geometry::footpoint::{
     self, CurveFootpoint, CurveProjector, Location, Mode, Multiplicity, ProjectionOptions, Status,
@@ -79,6 +81,8 @@ pub(crate) enum Target {
     Space { surfaces: Option<Indices<SurfaceProjector>>, curves: Option<Indices<CurveProjector<3>>> },
     /// A triangle mesh.
     Mesh(Box<MeshProjector>),
+    /// A CAD model.
+    Cad(Box<CadModel>),
 }
 
 impl Target {
@@ -97,10 +101,11 @@ impl Target {
                 let mesh_error = |source| Error::Mesh { path: path.to_path_buf(), source };
                 Self::Mesh(Box::new(MeshProjector::new(&mesh).map_err(mesh_error)?))
             }
+            Model::Cad(cad) => Self::Cad(Box::new(cad)),
         })
     }
 
-    /// Number of Bézier pieces or triangles that are searched.
+    /// Number of Bézier pieces, faces or triangles that are searched.
     pub(crate) fn piece_count(&self) -> usize {
         match self {
             Self::Plane(curves) => curves.piece_count(),
@@ -109,6 +114,7 @@ impl Target {
                     + curves.as_ref().map_or(0, |curves| curves.0.piece_count())
             }
             Self::Mesh(mesh) => mesh.topology().triangles - mesh.skipped(),
+            Self::Cad(cad) => cad.face_count(),
         }
     }
 
@@ -118,6 +124,7 @@ impl Target {
             Self::Space { curves: None, .. } => return Ok(()),
             Self::Mesh(mesh) if mesh.topology().is_oriented() => return Ok(()),
             Self::Mesh(_) => "neighbouring triangles disagree on the side of their normals",
+            Self::Cad(_) => "feet on CAD models are not restricted by normals",
             Self::Plane(_) | Self::Space { .. } => "the model has curves, which have no normals",
         };
         Err(Error::content(
@@ -139,7 +146,7 @@ impl Target {
     ) -> Result<Vec<Foot>, Error> {
         let feet = self.search(points, path, options, max_angle, progress)?;
         // Without a proof the bound of the library is 0, which says nothing.
-        let is_proven = options.mode == Mode::Certified || matches!(self, Self::Mesh(_));
+        let is_proven = options.mode == Mode::Certified || matches!(self, Self::Mesh(_) | Self::Cad(_));
         let unproven = |foot: Foot| Foot { lower_bound: f64::NAN, ..foot };
         Ok(if is_proven { feet } else { feet.into_iter().map(unproven).collect() })
     }
@@ -195,6 +202,12 @@ impl Target {
                     (Some(feet), None) | (None, Some(feet)) => feet,
                     (None, None) => Vec::new(),
                 })
+            }
+            Self::Cad(cad) => {
+                points.in_space(path)?;
+                let cancelled = Foot::none(Status::Cancelled);
+                let slack = cad_slack(cad);
+                Ok(threads::map(&points.positions, &cancelled, progress, |x| cad_foot(cad, x, slack)))
             }
             Self::Mesh(mesh) => {
                 points.in_space(path)?;
@@ -291,6 +304,40 @@ fn facing_mesh_foot(mesh: &MeshProjector, x: &Point3<f64>, normal: &Vector3<f64>
             Ok(Some(found)) => of_mesh::<mesh::Error>(Ok(found.foot), x),
             Err(error) => of_mesh(Err(error), x),
         },
+    }
+}
+
+/// Gap up to which a foot on a CAD model counts as proven: what its edges leave open.
+fn cad_slack(cad: &CadModel) -> f64 {
+    let edges = cad.model.instances().iter().flat_map(|instance| {
+        let part = &cad.model.parts()[instance.part];
+        part.edges().iter().map(|edge| 2.0 * edge.tolerance() * instance.placement.scale)
+    });
+    edges.fold(1e-9 * cad.model.bounds().diagonal(), f64::max)
+}
+
+fn cad_foot(cad: &CadModel, x: &Point3<f64>, slack: f64) -> Foot {
+    let Some(foot) = cad.model.nearest(&x.coords) else { return Foot::none(Status::InvalidPoint) };
+    let status = if foot.gap() > slack {
+        Status::Uncertified
+    } else if foot.beyond_boundary {
+        Status::OnBoundary
+    } else {
+        Status::Converged
+    };
+    Foot {
+        point: foot.point.into(),
+        distance: foot.signed_distance().unwrap_or(foot.distance),
+        lower_bound: foot.lower_bound,
+        parameter: match foot.on {
+            On::Face { uv, .. } => uv,
+            _ => [f64::NAN; 2],
+        },
+        shape: cad.face_number(&foot).map_or(u32::MAX, u32_index),
+        triangle: u32::MAX,
+        status,
+        location: cad::location(&foot),
+        multiplicity: Multiplicity::Unknown,
     }
 }
 

@@ -12,6 +12,8 @@
 //! # Ok::<(), industrial_geometry::nurbs::Error>(())
 //! ```
 
+pub use brep_core as brep;
+pub use cad_io as cad;
 pub use cloud_param;
 pub use distance_field;
 pub use feature_metric;

@@ -43,6 +43,15 @@ impl Backdrop {
         out
     }
 
+    /// Triangles near the faces of a CAD model.
+    pub(crate) fn of_brep(model: &brep_core::Model) -> Self {
+        let picture = model.picture(MOST / 2);
+        let mut out = Self::default();
+        let (vertices, normals) = picture.vertices.iter().map(|v| (Point3::from(v.point), v.normal)).unzip();
+        out.append(vertices, normals, &picture.triangles);
+        out
+    }
+
     /// The triangles of a mesh; of a large one with its vertices pulled together in cells.
     pub(crate) fn of_mesh(mesh: &TriangleMesh) -> Self {
         let (mut vertices, mut triangles) = (mesh.vertices().to_vec(), mesh.triangles().to_vec());

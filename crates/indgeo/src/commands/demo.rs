@@ -3,6 +3,7 @@
 use super::Outcome;
 use super::project::Search;
 use crate::args::Common;
+use crate::cad::Choice;
 use crate::demo::{self, Bolt, Data, Files, Zones};
 use crate::error::Error;
 use crate::files;
@@ -65,6 +66,7 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
 
     let job = Job {
         model: &data.model,
+        cad: &Choice::default(),
         points: &data.scan,
         out: &csv,
         format: None,

@@ -2,9 +2,10 @@
 
 use super::Outcome;
 use crate::args::Common;
+use crate::cad::{CadModel, Choice};
 use crate::error::Error;
 use crate::files;
-use crate::model::kind;
+use crate::model::{Loaded, kind};
 use crate::report::{Input, Report, Results, Timings};
 use crate::session;
 use industrial_geometry::io::{Content, ReadOptions, ReadReport, Shape};
@@ -42,6 +43,27 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
     let mut summary = String::new();
     let options = ReadOptions::default().with_decimal_comma(args.decimal_comma);
     for path in &args.files {
+        match Timings::measure(&mut timings.read, || CadModel::read(path, &Choice::default())) {
+            Ok(None) => {}
+            Ok(Some(cad)) => {
+                let mut fact = json!({ "path": path.to_string_lossy() });
+                if let (Value::Object(fact), Value::Object(more)) = (&mut fact, cad.describe()) {
+                    fact.extend(more);
+                }
+                let mut input = Loaded::of_cad(cad, path).input(path);
+                input.role = "file";
+                report.add_input(input);
+                // Writing to memory cannot fail.
+                let _ = write_text(&mut summary, &fact);
+                facts.push(fact);
+                continue;
+            }
+            Err(error) => {
+                facts.push(json!({ "path": path.to_string_lossy(), "error": error.to_string() }));
+                errors.push(error);
+                continue;
+            }
+        }
         let loaded = match Timings::measure(&mut timings.read, || files::read(path, &options)) {
             Ok(loaded) => loaded,
             Err(error) => {

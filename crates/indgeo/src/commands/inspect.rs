@@ -4,6 +4,7 @@ use super::Outcome;
 use super::numbers;
 use super::project::Search;
 use crate::args::Common;
+use crate::cad::Choice;
 use crate::error::Error;
 use crate::inspecting::{self, Job, Motion};
 use crate::output::Format;
@@ -19,8 +20,10 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = AFTER_HELP)]
 pub(crate) struct Args {
-    /// NURBS surfaces or curves (JSON, or free-form OBJ), or a triangle mesh (STL, PLY, OBJ, OFF)
+    /// NURBS surfaces or curves (JSON, or free-form OBJ), a CAD model (STEP), or a triangle mesh (STL, PLY, OBJ, OFF)
     model: PathBuf,
+    #[command(flatten)]
+    cad: Choice,
     /// Points: PLY, XYZ, CSV, PTS, PTX, PCD, OBJ, STL or OFF; of a mesh its vertices
     points: PathBuf,
     /// Allowed deviation to both sides; --lower and --upper replace one limit each
@@ -156,6 +159,7 @@ impl Args {
 pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<Outcome, Error> {
     let job = Job {
         model: &args.model,
+        cad: &args.cad,
         points: &args.points,
         motion: args.transform.as_deref().map_or(Motion::None, Motion::File),
         page: args.report.as_deref(),

@@ -3,6 +3,7 @@
 use super::Outcome;
 use super::numbers;
 use crate::args::Common;
+use crate::cad::Choice;
 use crate::error::Error;
 use crate::output::Format;
 use crate::projection::{self, Job};
@@ -19,8 +20,11 @@ use std::path::PathBuf;
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = AFTER_HELP)]
 pub(crate) struct Args {
-    /// NURBS curves or surfaces (JSON, or free-form OBJ), or a triangle mesh (STL, PLY, OBJ, OFF); `-` is standard input
+    /// NURBS curves or surfaces (JSON, or free-form OBJ), a CAD model (STEP), or a triangle mesh (STL, PLY, OBJ, OFF); `-` is standard
+    /// input, which cannot be STEP
     pub(crate) model: PathBuf,
+    #[command(flatten)]
+    cad: Choice,
     /// Points: PLY, XYZ, CSV, PTS, PTX, PCD, OBJ, STL or OFF; of a mesh its vertices; `-` is standard input
     pub(crate) points: PathBuf,
     /// The result; its format follows from the extension: .csv, .ply or .json; `-` is standard output (CSV)
@@ -131,6 +135,7 @@ Examples:
 pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<Outcome, Error> {
     let job = Job {
         model: &args.model,
+        cad: &args.cad,
         points: &args.points,
         out: &args.out,
         format: args.format,

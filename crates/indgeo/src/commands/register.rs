@@ -3,6 +3,7 @@
 use super::Outcome;
 use super::numbers;
 use crate::args::Common;
+use crate::cad::Choice;
 use crate::error::Error;
 use crate::files;
 use crate::inspecting::{self, Motion};
@@ -24,9 +25,11 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = AFTER_HELP)]
 pub(crate) struct Args {
-    /// The fixed shape: NURBS (JSON; curves in the plane take points of two columns), a triangle mesh (STL, PLY, OBJ, OFF), or
+    /// The fixed shape: NURBS (JSON; curves in the plane take points of two columns), a CAD model (STEP), a triangle mesh (STL, PLY, OBJ, OFF), or
     /// a dense cloud; `-` is standard input
     model: PathBuf,
+    #[command(flatten)]
+    cad: Choice,
     /// The points to be moved: any cloud, or a mesh with its triangles; `-` is standard input
     points: PathBuf,
     /// The moved points, with everything else that came with them; the format follows from the extension; `-` is standard output (CSV, OBJ
@@ -261,6 +264,7 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
     };
     let job = Job {
         model: &args.model,
+        cad: &args.cad,
         points: &args.points,
         out: args.out.as_deref(),
         format: args.format,

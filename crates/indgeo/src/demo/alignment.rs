@@ -2,6 +2,7 @@
 
 use super::{Bolt, Data, placement};
 use crate::args::Common;
+use crate::cad::Choice;
 use crate::error::Error;
 use crate::files;
 use crate::inspecting;
@@ -79,6 +80,7 @@ pub(crate) fn run(
     let mut found = Report { command: "register", version: report.version, ..Report::default() };
     let job = registering::Job {
         model: &data.model,
+        cad: &Choice::default(),
         points: &files.displaced,
         out: Some(&files.registered),
         format: None,
@@ -177,6 +179,7 @@ fn inspect(
         .map_err(|error| Error::usage(error.to_string(), "see `indgeo inspect --help`"))?;
     let job = inspecting::Job {
         model: &data.model,
+        cad: &Choice::default(),
         points: &files.displaced,
         motion: inspecting::Motion::File(&files.pose),
         page: Some(&files.page),

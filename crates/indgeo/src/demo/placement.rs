@@ -3,6 +3,7 @@
 use super::bolt::Bolt;
 use super::scale::Scale;
 use super::svg::{Anchor, Svg};
+use crate::cad::Choice;
 use crate::error::Error;
 use crate::model::{Loaded, Model};
 use industrial_geometry::mesh::nalgebra::{Point3, Vector3};
@@ -58,7 +59,9 @@ pub(crate) fn draw(
 
 /// Points spread over the surfaces of the model.
 fn samples(model: &Path) -> Result<Vec<Vector3<f64>>, Error> {
-    let Model::Space { surfaces, .. } = Loaded::read(model)?.model else { return Ok(Vec::new()) };
+    let Model::Space { surfaces, .. } = Loaded::read(model, &Choice::default())?.model else {
+        return Ok(Vec::new());
+    };
     let [around, along] = SAMPLES;
     let mut points = Vec::new();
     for surface in &surfaces.shapes {

@@ -84,7 +84,7 @@ impl Layout {
             // A single curve in the plane has no index.
             Target::Plane(_) if shapes == 1 => &[Column::T],
             Target::Plane(_) | Target::Space { surfaces: None, .. } => &[Column::Shape, Column::T],
-            Target::Space { .. } => &[Column::Shape, Column::U, Column::V],
+            Target::Space { .. } | Target::Cad(_) => &[Column::Shape, Column::U, Column::V],
             Target::Mesh(_) => &[Column::Shape, Column::Triangle],
         };
         columns.extend(rest);

@@ -4,6 +4,8 @@
 
 mod align;
 mod browser;
+#[cfg(feature = "step")]
+mod cad;
 mod common;
 mod degenerate;
 mod demo;

@@ -1,6 +1,7 @@
 //! The shape that points are compared with.
 
 mod analytic;
+mod brep;
 mod curves;
 mod judge;
 mod mesh;
@@ -14,6 +15,8 @@ use crate::{
     Place,
 };
 use analytic::AnalyticNominal;
+use brep::BrepNominal;
+use brep_core::Model;
 use curves::CurvesNominal;
 use footpoint::{Facing, Progress, no_progress};
 use judge::Judge;
@@ -22,6 +25,7 @@ use mesh_core::TriangleMesh;
 use nalgebra::{Point3, Vector3};
 use nurbs_core::{AnalyticSurface, BsplineCurve, BsplineSurface};
 use sides::{Side, Sides};
+use std::sync::Arc;
 use surfaces::SurfacesNominal;
 
 /// What a surface of a model is called.
@@ -48,6 +52,7 @@ enum Kind {
     Analytic(Box<AnalyticNominal>),
     Profile(Box<CurvesNominal<2>>),
     Curves(Box<CurvesNominal<3>>),
+    Brep(Box<BrepNominal>),
 }
 
 impl Nominal {
@@ -100,6 +105,32 @@ impl Nominal {
         Ok(Self { kind: Kind::Curves(Box::new(CurvesNominal::new(curves)?)), shapes })
     }
 
+    /// A CAD model with trimmed faces. Its faces are numbered through all instances of its parts, and called by their names in
+    /// the file, or by their numbers there.
+    ///
+    /// Deviations are measured along the shortest lines only. Feet on edges count with the mean normal of the faces there.
+    ///
+    /// # Errors
+    /// [`Error::EmptyModel`] without faces.
+    pub fn from_brep(model: Arc<Model>) -> Result<Self, Error> {
+        let mut shapes = Vec::new();
+        for instance in model.instances() {
+            let part = &model.parts()[instance.part];
+            shapes.extend(part.faces().iter().map(|face| {
+                let number = format!("#{}", face.source());
+                let name = if face.name().is_empty() || face.name() == "NONE" {
+                    number
+                } else {
+                    format!("{} {number}", face.name())
+                };
+                let owner = if instance.name.is_empty() { part.name() } else { &instance.name };
+                let name = if owner.is_empty() { name } else { format!("{owner}: {name}") };
+                ShapeInfo { kind: "face", name: Some(name) }
+            }));
+        }
+        Ok(Self { kind: Kind::Brep(Box::new(BrepNominal::new(model)?)), shapes })
+    }
+
     /// Gives the surfaces names, in their order.
     #[must_use]
     pub fn with_names(mut self, names: impl IntoIterator<Item = Option<String>>) -> Self {
@@ -124,6 +155,7 @@ impl Nominal {
             Kind::Analytic(_) => self.shapes.len(),
             Kind::Profile(nominal) => nominal.piece_count(),
             Kind::Curves(nominal) => nominal.piece_count(),
+            Kind::Brep(nominal) => nominal.face_count(),
         }
     }
 
@@ -136,6 +168,7 @@ impl Nominal {
             Kind::Analytic(nominal) => Backdrop::of_surfaces(nominal.exact()),
             Kind::Profile(nominal) => nominal.backdrop(),
             Kind::Curves(nominal) => nominal.backdrop(),
+            Kind::Brep(nominal) => Backdrop::of_brep(nominal.model()),
         }
     }
 
@@ -146,7 +179,7 @@ impl Nominal {
         match &self.kind {
             Kind::Mesh(nominal) => nominal.is_signed(),
             Kind::Curves(_) => false,
-            Kind::Surfaces(_) | Kind::Analytic(_) | Kind::Profile(_) => true,
+            Kind::Surfaces(_) | Kind::Analytic(_) | Kind::Profile(_) | Kind::Brep(_) => true,
         }
     }
 
@@ -202,6 +235,8 @@ impl Nominal {
             (Kind::Profile(_) | Kind::Curves(_), Along::Normal | Along::Direction(_)) => {
                 return Err(Error::AlongCurves);
             }
+            (Kind::Brep(_), Along::Normal | Along::Direction(_)) => return Err(Error::AlongFaces),
+            (Kind::Brep(_), _) if limit.is_some() => return Err(Error::AlongFaces),
             (Kind::Profile(_) | Kind::Curves(_), _) if limit.is_some() => return Err(Error::FacingCurves),
             (Kind::Mesh(mesh), _) if limit.is_some() && !mesh.is_signed() => {
                 return Err(Error::FacingUnoriented);
@@ -233,7 +268,7 @@ impl Nominal {
                 Kind::Curves(nominal) => {
                     return nominal.shortest(points, options, progress, &finish, receive);
                 }
-                Kind::Mesh(_) | Kind::Analytic(_) => {}
+                Kind::Mesh(_) | Kind::Analytic(_) | Kind::Brep(_) => {}
             }
         }
         let treat = |index: usize| {
@@ -270,6 +305,7 @@ impl Nominal {
             (Kind::Surfaces(nominal), Some(line)) => {
                 trace::along(nominal.as_ref(), point, line, options.max_distance, facing)
             }
+            (Kind::Brep(nominal), _) => nominal.shortest(point),
             // Many of these are measured at once, or refused before.
             (Kind::Surfaces(_) | Kind::Profile(_) | Kind::Curves(_), _) => Deviation::none(Outcome::NoHit),
         }
@@ -305,6 +341,7 @@ impl Nominal {
                 let offset = if is_hit { Vector3::zeros() } else { offset };
                 nominal.normal(shape, record.parameter, &offset)
             }
+            Kind::Brep(nominal) => nominal.normal(point),
             Kind::Profile(nominal) => {
                 nominal.normal(shape, record.parameter[0], &nominal.offset(point, &record.foot))
             }
@@ -320,6 +357,7 @@ impl Nominal {
             Kind::Surfaces(nominal) => nominal.size(),
             Kind::Profile(nominal) => nominal.size(),
             Kind::Curves(nominal) => nominal.size(),
+            Kind::Brep(nominal) => nominal.size(),
             Kind::Analytic(nominal) => {
                 let bounds = trace::Traceable::bounds(nominal.as_ref());
                 (bounds.max - bounds.min).max()
