@@ -2,7 +2,16 @@
 //!
 //! Readers produce and writers consume the plain data of [`brep_core::description`].
 
+mod builder;
+mod closed_carriers;
+mod edges;
 mod error;
+mod iges;
+mod natural;
+mod step_text;
+mod write;
 
 pub use brep_core::description;
 pub use error::{Error, Location, Place};
+pub use iges::{is_iges, read_iges, read_iges_file, to_iges};
+pub use step_text::to_step;

@@ -1,0 +1,11 @@
+//! All integration tests of `cad-io` in one binary.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests may panic")]
+
+mod iges_builder;
+mod iges_entities;
+mod iges_faults;
+mod iges_files;
+mod iges_mutation;
+mod iges_write;
+mod step_write;
