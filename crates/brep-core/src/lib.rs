@@ -3,3 +3,4 @@
 //! [`description`] holds what CAD files say, as plain data: readers produce it, writers consume it.
 
 pub mod description;
+mod edge_curve;

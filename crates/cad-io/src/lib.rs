@@ -8,10 +8,14 @@ mod edges;
 mod error;
 mod iges;
 mod natural;
+#[cfg(feature = "step")]
+mod step;
 mod step_text;
 mod write;
 
 pub use brep_core::description;
 pub use error::{Error, Location, Place};
 pub use iges::{is_iges, read_iges, read_iges_file, to_iges};
+#[cfg(feature = "step")]
+pub use step::{is_step, read_step, read_step_file};
 pub use step_text::to_step;
