@@ -3,10 +3,10 @@
 //! Readers produce and writers consume the plain data of [`brep_core::description`].
 
 mod builder;
-mod closed_carriers;
 mod edges;
 mod error;
 mod iges;
+mod model_builder;
 mod natural;
 #[cfg(feature = "step")]
 mod step;
@@ -16,6 +16,7 @@ mod write;
 pub use brep_core::description;
 pub use error::{Error, Location, Place};
 pub use iges::{is_iges, read_iges, read_iges_file, to_iges};
+pub use model_builder::ModelBuilder;
 #[cfg(feature = "step")]
 pub use step::{is_step, read_step, read_step_file};
 pub use step_text::to_step;

@@ -5,6 +5,8 @@ mod aligning;
 mod alignment_summary;
 mod args;
 mod between_vertices;
+mod cad_conversion;
+mod cad_output;
 mod commands;
 mod datum_file;
 mod demo;

@@ -12,6 +12,7 @@
 //! # Ok::<(), industrial_geometry::nurbs::Error>(())
 //! ```
 
+pub use cad_io as cad;
 pub use cloud_param;
 pub use distance_field;
 pub use footpoint;

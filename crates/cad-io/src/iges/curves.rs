@@ -163,7 +163,9 @@ fn arc(values: &mut Cursor<'_>) -> Result<(EdgeCurve, [f64; 2]), Fault> {
     let (start, end) = ([x1 - x, y1 - y], [x2 - x, y2 - y]);
     let radius = start[0].hypot(start[1]);
     if !(radius > 0.0 && radius.is_finite()) {
-        return Err(values.invalid(format!("the radius of the arc is {radius}; it must be positive and finite")));
+        return Err(
+            values.invalid(format!("the radius of the arc is {radius}; it must be positive and finite"))
+        );
     }
     let gap = (x2 - x1).hypot(y2 - y1);
     let other = end[0].hypot(end[1]);
@@ -238,7 +240,9 @@ fn spline(values: &mut Cursor<'_>) -> Result<(EdgeCurve, [f64; 2]), Fault> {
     let range = within(curve.domain(), [start, end]).map_err(|what| values.invalid(what))?;
     // The normal of planar curves, which files may leave out.
     if !values.is_ended() {
-        values.reals::<3>("normal of the plane").or_else(|fault| if values.is_ended() { Ok([0.0; 3]) } else { Err(fault) })?;
+        values
+            .reals::<3>("normal of the plane")
+            .or_else(|fault| if values.is_ended() { Ok([0.0; 3]) } else { Err(fault) })?;
     }
     Ok((EdgeCurve::Nurbs(Arc::new(curve)), range))
 }

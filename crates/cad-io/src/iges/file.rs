@@ -65,7 +65,8 @@ impl<'a> File<'a> {
     /// The parameter data of an entity, past its type number. `depth` counts the entities that led here.
     pub(crate) fn record(&self, entry: &Entry, depth: usize) -> Result<Cursor<'_>, Fault> {
         if depth > DEEPEST {
-            let what = "the entity is named through more than 16 others; the pointers of the file form a circle";
+            let what =
+                "the entity is named through more than 16 others; the pointers of the file form a circle";
             return Err(Fault::of(entry, what));
         }
         let lines = self.lines(entry)?;
@@ -79,7 +80,10 @@ impl<'a> File<'a> {
         let mut cursor = Cursor { tokens, delimiters, place: 0, file: self, depth };
         let kind = cursor.integer("entity type number")?;
         if kind != i64::from(entry.kind) {
-            let what = format!("the parameter data are of type {kind}, the directory entry is of type {}", entry.kind);
+            let what = format!(
+                "the parameter data are of type {kind}, the directory entry is of type {}",
+                entry.kind
+            );
             return Err(cursor.fault(what));
         }
         Ok(cursor)
@@ -225,7 +229,9 @@ impl<'f> Cursor<'f> {
             }
             None => {
                 let last = 2 * self.file.entries.len();
-                Err(self.fault(format!("the {name} is {value}; directory entries are the odd numbers up to {last}")))
+                Err(self.fault(format!(
+                    "the {name} is {value}; directory entries are the odd numbers up to {last}"
+                )))
             }
         }
     }
@@ -280,5 +286,4 @@ impl<'f> Cursor<'f> {
         }
         Ok(None)
     }
-
 }

@@ -30,14 +30,18 @@ impl Global {
         let value = delimiter(&mut tokens, b',', None)?;
         let record = delimiter(&mut tokens, b';', Some(value))?;
         let delimiters = Delimiters { value, record };
-        let allowed = |byte: u8| byte.is_ascii_graphic() && !byte.is_ascii_alphanumeric() && !b"+-.".contains(&byte);
+        let allowed =
+            |byte: u8| byte.is_ascii_graphic() && !byte.is_ascii_alphanumeric() && !b"+-.".contains(&byte);
         if value == record || !allowed(value) || !allowed(record) {
-            let what = format!("the delimiters `{}` and `{}` make no sense", value.escape_ascii(), record.escape_ascii());
+            let what = format!(
+                "the delimiters `{}` and `{}` make no sense",
+                value.escape_ascii(),
+                record.escape_ascii()
+            );
             return Err(Fault::at_line(first.number, what));
         }
         let mut fields = Fields { tokens, delimiters };
-        let mut global =
-            Self { delimiters, name: String::new(), unit: None, scale: 1.0, resolution: None };
+        let mut global = Self { delimiters, name: String::new(), unit: None, scale: 1.0, resolution: None };
         let product = fields.text()?;
         let file = fields.text()?;
         global.name = if product.is_empty() { file } else { product };
@@ -181,7 +185,8 @@ mod tests {
 
     #[test]
     fn usual_and_other_delimiters() {
-        let usual = global(&["1H,,1H;,4Hpart,6Hx.iges,1HS,1HP,32,308,15,308,15,,1.,2,2HMM,50,", "0.125,,1D-5,99.;"]);
+        let usual =
+            global(&["1H,,1H;,4Hpart,6Hx.iges,1HS,1HP,32,308,15,308,15,,1.,2,2HMM,50,", "0.125,,1D-5,99.;"]);
         let usual = usual.unwrap();
         assert_eq!((usual.name.as_str(), usual.unit), ("part", Some(LengthUnit::millimetre())));
         assert_eq!((usual.scale, usual.resolution), (1.0, Some(1e-5)));
@@ -190,9 +195,9 @@ mod tests {
         assert_eq!(by_default.delimiters, Delimiters { value: b',', record: b';' });
         let other = global(&["1H/,1H#,4Hpart,", "#"]).unwrap_err();
         assert!(other.what.contains("missing"), "{other:?}");
-        let other = global(&["1H//1H#/4Hpart////////////3/4HINCH#"]).unwrap();
+        let other = global(&["1H//1H#/4Hpart///////////3/4HINCH#"]).unwrap();
         assert_eq!(other.delimiters, Delimiters { value: b'/', record: b'#' });
-        assert_eq!((other.name.as_str(), other.unit), ("part", None));
+        assert_eq!((other.name.as_str(), other.unit), ("part", Some(LengthUnit::inch())));
         let short = global(&["1H,,1H;;"]).unwrap();
         assert_eq!((short.name.as_str(), short.unit), ("", None));
     }

@@ -48,10 +48,8 @@ impl Motion {
         for row in &mut rows {
             *row = values.reals("element of the matrix")?;
         }
-        let own = Self {
-            matrix: Matrix3::from_fn(|i, j| rows[i][j]),
-            offset: Vector3::from_fn(|i, _| rows[i][3]),
-        };
+        let own =
+            Self { matrix: Matrix3::from_fn(|i, j| rows[i][j]), offset: Vector3::from_fn(|i, _| rows[i][3]) };
         if !(own.matrix.determinant().abs() > 0.0) {
             return Err(Fault::of(matrix, "the transformation matrix is singular"));
         }
@@ -94,7 +92,9 @@ impl Motion {
             EdgeCurve::Line { origin, direction } => {
                 EdgeCurve::Line { origin: self.point(origin), direction: self.vector(direction) }
             }
-            EdgeCurve::Nurbs(curve) => EdgeCurve::Nurbs(Arc::new(curve.transformed(&self.matrix, &self.offset)?)),
+            EdgeCurve::Nurbs(curve) => {
+                EdgeCurve::Nurbs(Arc::new(curve.transformed(&self.matrix, &self.offset)?))
+            }
             EdgeCurve::Circle { frame, radius } if self.is_rigid() => {
                 EdgeCurve::Circle { frame: self.frame(frame)?, radius: *radius }
             }
@@ -127,7 +127,9 @@ impl Motion {
         };
         let image = match carrier {
             Carrier::Plane { frame } => Carrier::Plane { frame: moved(frame)? },
-            Carrier::Cylinder { frame, radius } => Carrier::Cylinder { frame: moved(frame)?, radius: *radius },
+            Carrier::Cylinder { frame, radius } => {
+                Carrier::Cylinder { frame: moved(frame)?, radius: *radius }
+            }
             Carrier::Cone { frame, radius, half_angle } => {
                 Carrier::Cone { frame: moved(frame)?, radius: *radius, half_angle: *half_angle }
             }

@@ -31,13 +31,20 @@ fn breaks(values: &mut Cursor<'_>, pieces: usize) -> Result<Vec<f64>, Fault> {
     }
     let breaks = values.list(pieces + 1, "break points")?;
     match breaks.windows(2).find(|pair| !(pair[0] < pair[1])) {
-        Some(pair) => Err(values.invalid(format!("the break points {} and {} do not increase", pair[0], pair[1]))),
+        Some(pair) => {
+            Err(values.invalid(format!("the break points {} and {} do not increase", pair[0], pair[1])))
+        }
         None => Ok(breaks),
     }
 }
 
 /// Checks that a piece begins where its neighbour ends.
-fn check_joint(values: &Cursor<'_>, end: &Vector3<f64>, start: &Vector3<f64>, size: f64) -> Result<(), Fault> {
+fn check_joint(
+    values: &Cursor<'_>,
+    end: &Vector3<f64>,
+    start: &Vector3<f64>,
+    size: f64,
+) -> Result<(), Fault> {
     let gap = (end - start).norm();
     if gap <= JOINT * size {
         return Ok(());

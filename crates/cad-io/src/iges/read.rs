@@ -36,8 +36,8 @@ pub fn read_iges(data: &[u8]) -> Result<ModelDescription, Error> {
 /// # Errors
 /// [`Error::Io`], and as [`read_iges`]; the message names the file.
 pub fn read_iges_file(path: &Path) -> Result<ModelDescription, Error> {
-    let data = std::fs::read(path)
-        .map_err(|source| Error::Io { path: path.to_owned(), action: "read", source })?;
+    let data =
+        std::fs::read(path).map_err(|source| Error::Io { path: path.to_owned(), action: "read", source })?;
     read_iges(&data).map_err(|error| error.in_file(path))
 }
 
@@ -128,7 +128,8 @@ impl<'f> Reading<'f> {
             }
             Ok(()) if matches!(entry.usage, 1 | 2 | 4 | 5) => {
                 self.forget(before, free, loose);
-                let use_of = ["annotation", "a definition", "", "a logical relation", "a curve in parameters"];
+                let use_of =
+                    ["annotation", "a definition", "", "a logical relation", "a curve in parameters"];
                 let place = usize::try_from(entry.usage).unwrap_or_default().saturating_sub(1);
                 let use_of = use_of.get(place).unwrap_or(&"");
                 self.leave_out(entry, format!("the file marks it as {use_of}"));
@@ -197,7 +198,9 @@ impl<'f> Reading<'f> {
                     first.why
                 ),
             };
-            return Err(Fault { line: 0, ..Fault::at_line(0, what) }.unsupported("give a file with faces or curves"));
+            return Err(
+                Fault { line: 0, ..Fault::at_line(0, what) }.unsupported("give a file with faces or curves")
+            );
         }
         let global = &self.file.global;
         self.part.name.clone_from(&global.name);

@@ -175,7 +175,9 @@ mod tests {
     #[test]
     fn sections_with_all_ends_of_lines() {
         let text = small();
-        for form in [text.clone(), text.replace('\n', "\r\n"), text.replace('\n', "\r"), text.replace('\n', "")] {
+        for form in
+            [text.clone(), text.replace('\n', "\r\n"), text.replace('\n', "\r"), text.replace('\n', "")]
+        {
             assert!(is_iges(form.as_bytes()));
             let found = Records::new(form.as_bytes()).unwrap();
             let counts = [found.global.len(), found.directory.len(), found.parameters.len()];

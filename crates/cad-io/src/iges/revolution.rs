@@ -64,11 +64,8 @@ pub(crate) fn read(
     let make = || {
         let turn = Rotation3::from_axis_angle(&axis, start);
         let curve = piece.nurbs()?;
-        let curve = if start == 0.0 {
-            curve
-        } else {
-            curve.transformed(turn.matrix(), &(origin - turn * origin))?
-        };
+        let curve =
+            if start == 0.0 { curve } else { curve.transformed(turn.matrix(), &(origin - turn * origin))? };
         construct::revolve(&curve, &origin, &axis, angle.min(TAU))?.transposed()
     };
     Ok((Carrier::Nurbs(Arc::new(make().map_err(invalid)?)), true, chart))

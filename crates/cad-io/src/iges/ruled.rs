@@ -26,7 +26,8 @@ pub(crate) fn read(
     let second = values.pointer("pointer to the second curve")?;
     let crossed = values.integer("direction flag")? == 1;
     values.integer("developable flag")?;
-    let invalid = |error: nurbs_core::Error| Fault::of(entry, format!("the ruled surface is not valid: {error}"));
+    let invalid =
+        |error: nurbs_core::Error| Fault::of(entry, format!("the ruled surface is not valid: {error}"));
     let rail = |curve: Piece| curve.nurbs()?.reparameterized(Interval::UNIT);
     let first = rail(single(file, values, first)?).map_err(invalid)?;
     let mut second = rail(single(file, values, second)?).map_err(invalid)?;
@@ -34,7 +35,8 @@ pub(crate) fn read(
         second = second.reversed().map_err(invalid)?;
     }
     if entry.form == 0 && !same_lengths(&first, &second) {
-        let what = "the rulings join points of equal arc length (form 0), which are not those of equal parameter";
+        let what =
+            "the rulings join points of equal arc length (form 0), which are not those of equal parameter";
         return Err(Fault::of(entry, what).unsupported("export the surface as a B-spline (type 128)"));
     }
     let surface = construct::ruled(&first, &second).map_err(invalid)?;
@@ -59,7 +61,10 @@ pub(crate) fn single(file: &File<'_>, values: &Cursor<'_>, entry: &Entry) -> Res
     match (pieces.pop(), pieces.is_empty()) {
         (Some(piece), true) => Ok(piece),
         _ => {
-            let what = format!("the surface is swept by a composite curve of several pieces (entity {})", entry.sequence);
+            let what = format!(
+                "the surface is swept by a composite curve of several pieces (entity {})",
+                entry.sequence
+            );
             Err(values.fault(what).unsupported("export the surface as a B-spline (type 128)"))
         }
     }

@@ -38,7 +38,11 @@ struct EdgeRow<'f> {
 }
 
 /// Reads a solid (186) or a shell of its own (514) into a part.
-pub(crate) fn read<'f>(file: &'f File<'f>, entry: &'f Entry, part: &mut PartDescription) -> Result<(), Fault> {
+pub(crate) fn read<'f>(
+    file: &'f File<'f>,
+    entry: &'f Entry,
+    part: &mut PartDescription,
+) -> Result<(), Fault> {
     let motion = Motion::of(file, entry, None, 0)?;
     let mut shared = Shared {
         file,
@@ -209,7 +213,8 @@ impl<'f> Shared<'f> {
             let (curve, range) = if piece.forward {
                 (piece.curve, piece.range)
             } else {
-                let turned = piece.nurbs().map_err(|error| Fault::of(list, format!("edge {index}: {error}")))?;
+                let turned =
+                    piece.nurbs().map_err(|error| Fault::of(list, format!("edge {index}: {error}")))?;
                 let domain = nurbs_core::ParametricCurve::domain(&turned);
                 let range = [domain.start(), domain.end()];
                 (brep_core::description::EdgeCurve::Nurbs(Arc::new(turned)), range)
@@ -229,7 +234,13 @@ impl<'f> Shared<'f> {
     }
 
     /// Type 504: a row, counted from 1.
-    fn row(&mut self, from: &Entry, list: &'f Entry, index: usize, depth: usize) -> Result<EdgeRow<'f>, Fault> {
+    fn row(
+        &mut self,
+        from: &Entry,
+        list: &'f Entry,
+        index: usize,
+        depth: usize,
+    ) -> Result<EdgeRow<'f>, Fault> {
         if list.kind != 504 {
             let what = format!("it names entity {} of type {} as a list of edges", list.sequence, list.kind);
             return Err(Fault::of(from, what));
@@ -265,7 +276,8 @@ impl<'f> Shared<'f> {
             return Ok(known);
         }
         if list.kind != 502 {
-            let what = format!("it names entity {} of type {} as a list of vertices", list.sequence, list.kind);
+            let what =
+                format!("it names entity {} of type {} as a list of vertices", list.sequence, list.kind);
             return Err(Fault::of(from, what));
         }
         if !self.points.contains_key(&list.sequence) {
@@ -281,7 +293,8 @@ impl<'f> Shared<'f> {
         }
         let points = self.points.get(&list.sequence).map_or(&[][..], Vec::as_slice);
         let Some(&point) = index.checked_sub(1).and_then(|index| points.get(index)) else {
-            let what = format!("it names vertex {index} of entity {}, which has {}", list.sequence, points.len());
+            let what =
+                format!("it names vertex {index} of entity {}, which has {}", list.sequence, points.len());
             return Err(Fault::of(from, what));
         };
         let vertex = builder::add_vertex(part, point, u64::from(list.sequence));

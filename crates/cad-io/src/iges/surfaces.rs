@@ -53,7 +53,8 @@ pub(crate) fn read(
     let mut values = file.record(entry, depth)?;
     let motion = Motion::of(file, entry, parent, values.depth())?;
     let unsupported = || {
-        let what = format!("entity {} of type {} stands where a surface is needed", entry.sequence, entry.kind);
+        let what =
+            format!("entity {} of type {} stands where a surface is needed", entry.sequence, entry.kind);
         let advice = "export the part with surfaces of type 108, 114, 118, 120, 122 or 128";
         Fault::of(entry, what).unsupported(advice)
     };
@@ -105,7 +106,8 @@ fn spline(values: &mut Cursor<'_>, bounds: Bounds) -> Result<BsplineSurface, Fau
         }
     }
     let make = || {
-        let (knots_u, knots_v) = (KnotVector::new(degrees[0], knots_u)?, KnotVector::new(degrees[1], knots_v)?);
+        let (knots_u, knots_v) =
+            (KnotVector::new(degrees[0], knots_u)?, KnotVector::new(degrees[1], knots_v)?);
         BsplineSurface::new(knots_u, knots_v, points, curves::rational(weights))
     };
     let surface = make().map_err(|error| values.invalid(format!("the B-spline is not valid: {error}")))?;
@@ -114,7 +116,8 @@ fn spline(values: &mut Cursor<'_>, bounds: Bounds) -> Result<BsplineSurface, Fau
         return Ok(surface);
     }
     let [domain_u, domain_v] = surface.domain();
-    let ranges = curves::within(domain_u, [u0, u1]).and_then(|u| Ok([u, curves::within(domain_v, [v0, v1])?]));
+    let ranges =
+        curves::within(domain_u, [u0, u1]).and_then(|u| Ok([u, curves::within(domain_v, [v0, v1])?]));
     let ranges = ranges.map_err(|what| values.invalid(what))?;
     let mut piece = surface;
     for (direction, domain, range) in
@@ -135,7 +138,9 @@ fn plane(values: &mut Cursor<'_>) -> Result<Carrier, Fault> {
     let square = normal.norm_squared();
     let origin = normal * (level / square);
     if !(square > 0.0 && origin.iter().all(|c| c.is_finite())) {
-        return Err(values.invalid(format!("the normal ({}, {}, {}) has no direction", normal.x, normal.y, normal.z)));
+        return Err(
+            values.invalid(format!("the normal ({}, {}, {}) has no direction", normal.x, normal.y, normal.z))
+        );
     }
     let frame = Frame::from_axis(origin, normal).map_err(|error| values.invalid(error))?;
     Ok(Carrier::Plane { frame })

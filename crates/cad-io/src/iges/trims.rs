@@ -19,7 +19,11 @@ const POINT: f64 = 1e-12;
 const POINT_BY_RESOLUTION: f64 = 1e-3;
 
 /// Reads a face of its own into a part: 144, 143, a plane with a boundary, or a whole surface.
-pub(crate) fn face(file: &File<'_>, entry: &Entry, part: &mut PartDescription) -> Result<FaceDescription, Fault> {
+pub(crate) fn face(
+    file: &File<'_>,
+    entry: &Entry,
+    part: &mut PartDescription,
+) -> Result<FaceDescription, Fault> {
     match entry.kind {
         144 => trimmed(file, entry, part),
         143 => bounded(file, entry, part),
@@ -62,9 +66,9 @@ fn trimmed(file: &File<'_>, entry: &Entry, part: &mut PartDescription) -> Result
         && let Carrier::Nurbs(carrier) = &surface.carrier
     {
         // The boundary of the surface itself, which is understood only as long as there are no holes.
-        let boundary = natural::boundary(carrier, u64::from(entry.sequence))
+        let boundary = natural::of_spline(carrier)
             .map_err(|error| Fault::of(entry, format!("the surface is not valid: {error}")))?;
-        loops.extend(boundary.add_to(part));
+        loops.extend(boundary.add_to(part, u64::from(entry.sequence)));
     }
     for boundary in boundaries {
         loops.push(on_surface(file, boundary, &surface, motion.as_ref(), values.depth(), part)?);
@@ -244,7 +248,8 @@ fn plane(file: &File<'_>, entry: &Entry, part: &mut PartDescription) -> Result<F
     let mut values = file.record(entry, 0)?;
     let boundary = surfaces::plane_boundary(&mut values)?;
     let Some(boundary) = boundary.filter(|_| entry.form == 1) else {
-        let what = if entry.form == -1 { "the plane is a hole in another one" } else { "the plane has no boundary" };
+        let what =
+            if entry.form == -1 { "the plane is a hole in another one" } else { "the plane has no boundary" };
         return Err(Fault::of(entry, what).unsupported("export it as a trimmed surface (type 144)"));
     };
     let surface = surfaces::read(file, entry, None, Bounds::Loops, 0)?;

@@ -4,12 +4,10 @@ use super::curves::{curve, flag, knots};
 use super::instances::{Instances, Reference, list, real, reals, string};
 use crate::write::flat::unwritable;
 use crate::write::shape;
-use crate::{Error, closed_carriers, edges, natural};
-use brep_core::description::{
-    Carrier, EdgeUse, FaceDescription, LoopDescription, PartDescription,
-};
+use crate::{Error, edges, natural};
+use brep_core::description::{Carrier, EdgeUse, FaceDescription, LoopDescription, PartDescription};
 use nalgebra::Vector3;
-use nurbs_core::{BsplineSurface, Frame};
+use nurbs_core::{BsplineSurface, Frame, Sphere, Torus};
 use std::collections::HashMap;
 
 /// What of a part was written already.
@@ -26,13 +24,17 @@ impl<'p> Faces<'p> {
 
     /// Writes a face.
     pub(super) fn write(&mut self, out: &mut Instances, face: &FaceDescription) -> Result<Reference, Error> {
-        let named = |why: String| unwritable(&format!("face \"{}\" (entity {})", face.name, face.source), why);
+        let named =
+            |why: String| unwritable(&format!("face \"{}\" (entity {})", face.name, face.source), why);
         let mut bounds = Vec::with_capacity(face.loops.len());
         for boundary in &face.loops {
             bounds.push(self.bound(out, boundary).map_err(named)?);
         }
         if bounds.is_empty() {
-            bounds = by_itself(out, &face.carrier).map_err(named)?;
+            let found = by_itself(&face.carrier).map_err(|error| named(error.to_string()))?;
+            let unbounded = || named("its surface is unbounded and it has no loops".to_owned());
+            let (part, boundary) = found.ok_or_else(unbounded)?;
+            bounds.push(Faces::new(&part).bound(out, &boundary).map_err(named)?);
         }
         let surface = carrier(out, &face.carrier).map_err(|error| named(error.to_string()))?;
         let name = string(&face.name);
@@ -102,25 +104,18 @@ impl<'p> Faces<'p> {
     }
 }
 
-/// The loops that a carrier has by itself.
-fn by_itself(out: &mut Instances, carrier: &Carrier) -> Result<Vec<Reference>, String> {
-    let mut part = PartDescription::default();
-    let found = match carrier {
-        Carrier::Nurbs(surface) => {
-            let surface = shape::clamped(surface).map_err(|error| error.to_string())?;
-            natural::boundary(&surface, 0).map_err(|error| error.to_string())?.add_to(&mut part)
-        }
-        Carrier::Sphere { frame, radius } => Some(closed_carriers::sphere(&mut part, frame, *radius)),
+/// The loop that a carrier has by itself, in a part of its own; `None` for an unbounded carrier.
+fn by_itself(carrier: &Carrier) -> Result<Option<(PartDescription, LoopDescription)>, nurbs_core::Error> {
+    let boundary = match carrier {
+        Carrier::Nurbs(surface) => natural::of_spline(&*shape::clamped(surface)?)?,
+        Carrier::Sphere { frame, radius } => natural::of_analytic(&Sphere::new(*frame, *radius)?.into())?,
         Carrier::Torus { frame, major_radius, minor_radius } => {
-            let made = closed_carriers::torus(&mut part, frame, *major_radius, *minor_radius);
-            Some(made.map_err(|error| error.to_string())?)
+            natural::of_analytic(&Torus::new(*frame, *major_radius, *minor_radius)?.into())?
         }
-        Carrier::Plane { .. } | Carrier::Cylinder { .. } | Carrier::Cone { .. } => {
-            return Err("its surface is unbounded and it has no loops".to_owned());
-        }
+        Carrier::Plane { .. } | Carrier::Cylinder { .. } | Carrier::Cone { .. } => return Ok(None),
     };
-    let found = found.ok_or("its surface has no extent")?;
-    Ok(vec![Faces::new(&part).bound(out, &found)?])
+    let mut part = PartDescription::default();
+    Ok(boundary.add_to(&mut part, 0).map(|found| (part, found)))
 }
 
 /// The surface of a face.
@@ -136,11 +131,8 @@ fn carrier(out: &mut Instances, carrier: &Carrier) -> Result<Reference, nurbs_co
         }
         Carrier::Cone { frame, radius, half_angle } => {
             // The angle must be positive: a cone that narrows widens along the opposite axis.
-            let frame = if *half_angle < 0.0 {
-                Frame::new(frame.origin(), -frame.z(), frame.x())?
-            } else {
-                *frame
-            };
+            let frame =
+                if *half_angle < 0.0 { Frame::new(frame.origin(), -frame.z(), frame.x())? } else { *frame };
             let place = out.placement(&frame);
             out.add(&format!("CONICAL_SURFACE('',{place},{},{})", real(*radius), real(half_angle.abs())))
         }

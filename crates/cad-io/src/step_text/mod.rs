@@ -72,7 +72,8 @@ fn write_part(
         }
         if !members.is_empty() {
             let kind = if shell.closed { "CLOSED_SHELL" } else { "OPEN_SHELL" };
-            let shell_item = out.add(&format!("{kind}({},{})", instances::string(&shell.name), list(&members)));
+            let shell_item =
+                out.add(&format!("{kind}({},{})", instances::string(&shell.name), list(&members)));
             if shell.closed { closed.push((shell_item, &shell.name)) } else { open.push(shell_item) }
         }
     }
@@ -104,7 +105,11 @@ fn write_part(
         wires.push(written.map_err(|error| unwritable(&what, error.to_string()))?);
     }
     if !wires.is_empty() {
-        items.wires.push(out.add(&format!("GEOMETRIC_CURVE_SET({},{})", instances::string(name), list(&wires))));
+        items.wires.push(out.add(&format!(
+            "GEOMETRIC_CURVE_SET({},{})",
+            instances::string(name),
+            list(&wires)
+        )));
     }
     Ok(())
 }

@@ -42,14 +42,8 @@ pub(super) fn context(out: &mut Instances, unit: &LengthUnit, uncertainty: Optio
 }
 
 /// SI prefixes by their metres.
-const PREFIXES: [(f64, &str); 6] = [
-    (1e3, ".KILO."),
-    (1.0, "$"),
-    (1e-1, ".DECI."),
-    (1e-2, ".CENTI."),
-    (1e-3, ".MILLI."),
-    (1e-6, ".MICRO."),
-];
+const PREFIXES: [(f64, &str); 6] =
+    [(1e3, ".KILO."), (1.0, "$"), (1e-1, ".DECI."), (1e-2, ".CENTI."), (1e-3, ".MILLI."), (1e-6, ".MICRO.")];
 
 /// An SI unit, or one by its length in metres.
 fn length_unit(out: &mut Instances, unit: &LengthUnit) -> Reference {
@@ -59,8 +53,13 @@ fn length_unit(out: &mut Instances, unit: &LengthUnit) -> Reference {
         return out.add(&si(prefix));
     }
     // In millimetres as is usual: 25.4 is exact.
-    let (base, factor) =
-        if same(0.0254) { (".MILLI.", 25.4) } else if same(0.3048) { (".MILLI.", 304.8) } else { ("$", unit.metres) };
+    let (base, factor) = if same(0.0254) {
+        (".MILLI.", 25.4)
+    } else if same(0.3048) {
+        (".MILLI.", 304.8)
+    } else {
+        ("$", unit.metres)
+    };
     let dimensions = out.add("DIMENSIONAL_EXPONENTS(1.,0.,0.,0.,0.,0.,0.)");
     let base = out.add(&si(base));
     let measure = out.add(&format!("LENGTH_MEASURE_WITH_UNIT(LENGTH_MEASURE({}),{base})", real(factor)));

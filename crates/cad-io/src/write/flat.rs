@@ -1,9 +1,7 @@
 //! Parts in their places: what formats without instances hold.
 
 use crate::Error;
-use brep_core::description::{
-    Carrier, EdgeCurve, ModelDescription, PartDescription, Placement,
-};
+use brep_core::description::{Carrier, EdgeCurve, ModelDescription, PartDescription, Placement};
 use nalgebra::Vector3;
 use nurbs_core::Frame;
 use std::borrow::Cow;
@@ -13,13 +11,19 @@ use std::sync::Arc;
 pub(crate) fn placed(model: &ModelDescription) -> Result<Vec<Cow<'_, PartDescription>>, Error> {
     let place = |instance: &brep_core::description::InstanceDescription| {
         let Some(part) = model.parts.get(instance.part) else {
-            return Err(unwritable("model", format!("an instance names part {}, of which there is none", instance.part)));
+            return Err(unwritable(
+                "model",
+                format!("an instance names part {}, of which there is none", instance.part),
+            ));
         };
         if instance.placement == Placement::IDENTITY {
             return Ok(Cow::Borrowed(part));
         }
         let failed = |error: nurbs_core::Error| {
-            unwritable(&format!("part \"{}\"", part.name), format!("its instance cannot be moved into place: {error}"))
+            unwritable(
+                &format!("part \"{}\"", part.name),
+                format!("its instance cannot be moved into place: {error}"),
+            )
         };
         moved(part, &instance.placement).map(Cow::Owned).map_err(failed)
     };

@@ -4,7 +4,11 @@
 pub(crate) fn real(value: f64, mark: char) -> String {
     let text = format!("{value:?}");
     let Some((mantissa, exponent)) = text.split_once('e') else {
-        return text.strip_suffix('0').filter(|short| short.ends_with('.')).map(str::to_owned).unwrap_or(text);
+        return text
+            .strip_suffix('0')
+            .filter(|short| short.ends_with('.'))
+            .map(str::to_owned)
+            .unwrap_or(text);
     };
     let point = if mantissa.contains('.') { "" } else { "." };
     format!("{mantissa}{point}{mark}{exponent}")

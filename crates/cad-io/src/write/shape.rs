@@ -31,7 +31,9 @@ pub(crate) fn clamped(surface: &BsplineSurface) -> Result<Cow<'_, BsplineSurface
 }
 
 /// The same of a curve.
-pub(crate) fn clamped_curve<const D: usize>(curve: &BsplineCurve<D>) -> Result<Cow<'_, BsplineCurve<D>>, Error> {
+pub(crate) fn clamped_curve<const D: usize>(
+    curve: &BsplineCurve<D>,
+) -> Result<Cow<'_, BsplineCurve<D>>, Error> {
     let knots = curve.knots();
     let domain = knots.domain();
     let multiple = |t: f64| knots.multiplicity(t) > knots.degree();
@@ -51,7 +53,9 @@ pub(crate) fn nurbs<'a>(
     let points = hull(part, face)?;
     let made = match &face.carrier {
         Carrier::Nurbs(surface) => return clamped(surface).map(Some),
-        Carrier::Sphere { frame, radius } => Sphere::new(turned(frame, &stations(part, face))?, *radius)?.to_nurbs()?,
+        Carrier::Sphere { frame, radius } => {
+            Sphere::new(turned(frame, &stations(part, face))?, *radius)?.to_nurbs()?
+        }
         Carrier::Torus { frame, major_radius, minor_radius } => {
             Torus::new(turned(frame, &stations(part, face))?, *major_radius, *minor_radius)?.to_nurbs()?
         }
@@ -118,7 +122,8 @@ pub(crate) fn hull(part: &PartDescription, face: &FaceDescription) -> Result<Vec
 /// The interval of a coordinate in a frame that the points take, and a margin.
 fn extent(frame: &Frame, points: &[Vector3<f64>], coordinate: usize) -> Result<Interval, Error> {
     let all = points.iter().map(|point| frame.local(point)[coordinate]);
-    let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+    let (low, high) =
+        all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
     let margin = MARGIN * (high - low);
     Interval::new(low - margin, high + margin)
 }

@@ -42,7 +42,11 @@ impl Iges {
                 data += &line(&format!("{piece:<64}{:>8}", d + 1), 'P', p);
             }
             let count = p + 1 - first;
-            directory += &line(&format!("{kind:8}{first:8}{:8}{:8}{:8}{:8}{matrix:8}{:8}{status}", 0, 0, 0, 0, 0), 'D', d + 1);
+            directory += &line(
+                &format!("{kind:8}{first:8}{:8}{:8}{:8}{:8}{matrix:8}{:8}{status}", 0, 0, 0, 0, 0),
+                'D',
+                d + 1,
+            );
             directory += &line(&format!("{kind:8}{:8}{:8}{count:8}{form:8}", 0, 0), 'D', d + 2);
             d += 2;
         }

@@ -1,7 +1,9 @@
 //! Each kind of entity against what it means.
 
 use crate::iges_builder::{Iges, everything, tetrahedron};
-use brep_core::description::{Carrier, EdgeCurve, FaceDescription, LoopDescription, ModelDescription, PartDescription};
+use brep_core::description::{
+    Carrier, EdgeCurve, FaceDescription, LoopDescription, ModelDescription, PartDescription,
+};
 use nalgebra::Vector3;
 use nurbs_core::{BsplineSurface, ParametricCurve, ParametricSurface};
 
@@ -37,7 +39,11 @@ pub(crate) fn check_loops(part: &PartDescription, tolerance: f64) {
                     for (point, vertex) in [start, end].iter().zip(vertices) {
                         assert!((point - part.vertices[vertex].point).norm() <= tolerance);
                     }
-                    if forward { ([start, end], vertices) } else { ([end, start], [vertices[1], vertices[0]]) }
+                    if forward {
+                        ([start, end], vertices)
+                    } else {
+                        ([end, start], [vertices[1], vertices[0]])
+                    }
                 };
                 let (points, vertices) = ends(here.edge, here.forward);
                 let (next_points, next_vertices) = ends(next.edge, next.forward);
@@ -63,12 +69,18 @@ fn near(a: Vector3<f64>, b: [f64; 3]) -> bool {
 fn faces_of_every_kind() {
     let model = read(&everything());
     let [part] = &model.parts[..] else { panic!() };
-    assert_eq!((model.name.as_str(), part.name.as_str(), model.unit.as_ref().unwrap().metres), ("part", "part", 1e-3));
+    assert_eq!(
+        (model.name.as_str(), part.name.as_str(), model.unit.as_ref().unwrap().metres),
+        ("part", "part", 1e-3)
+    );
     assert_eq!(model.uncertainty, Some(1e-6));
     check_loops(part, 2e-8);
     // The solid first, then trimmed surfaces, then whole surfaces.
     assert_eq!(part.faces.len(), 4 + 3 + 4);
-    assert_eq!(part.shells.iter().map(|shell| (shell.faces.len(), shell.closed)).collect::<Vec<_>>(), [(4, true), (7, false)]);
+    assert_eq!(
+        part.shells.iter().map(|shell| (shell.faces.len(), shell.closed)).collect::<Vec<_>>(),
+        [(4, true), (7, false)]
+    );
     let square = &part.faces[4];
     assert_eq!((square.name.as_str(), square.loops.len(), square.same_sense), ("square one", 2, true));
     // The hole was a circle in the parameters, which are lengths here.
@@ -244,7 +256,9 @@ fn boundaries_in_angles_are_lifted() {
     let turned = f.add_with(120, 0, dependent, 0, &format!("{axis},{side},0.,3."));
     let corners = ["0.,0.,0.", "1.,0.,0.", "1.,1.5,0.", "0.,1.5,0."];
     let lines: Vec<String> = (0..4)
-        .map(|i| f.add_with(110, 0, "00010500", 0, &format!("{},{}", corners[i], corners[(i + 1) % 4])).to_string())
+        .map(|i| {
+            f.add_with(110, 0, "00010500", 0, &format!("{},{}", corners[i], corners[(i + 1) % 4])).to_string()
+        })
         .collect();
     let flat = f.add_with(102, 0, "00010500", 0, &format!("4,{}", lines.join(",")));
     let ring = f.add_with(142, 0, dependent, 0, &format!("1,{turned},{flat},0,1"));

@@ -44,7 +44,10 @@ fn unread_types_are_listed_and_do_not_spoil_the_rest() {
     let face = f.add(144, &format!("{offset},1,0,{boundary}"));
     let instance = f.add(408, "1,0.,0.,0.,1.");
     let model = cad_io::read_iges(f.text().as_bytes()).unwrap();
-    assert_eq!((model.parts[0].curves.len(), model.parts[0].faces.len(), model.parts[0].edges.len()), (1, 0, 0));
+    assert_eq!(
+        (model.parts[0].curves.len(), model.parts[0].faces.len(), model.parts[0].edges.len()),
+        (1, 0, 0)
+    );
     let found: Vec<(u64, &str)> = model.unread.iter().map(|u| (u.source, u.kind.as_str())).collect();
     assert_eq!(found, [(face as u64, "type 144"), (instance as u64, "type 408")]);
     assert!(model.unread[0].why.contains("type 140"), "{:?}", model.unread);

@@ -121,7 +121,8 @@ fn impeller_is_read_to_the_bit() {
                             assert_eq!(bits(&text[1..4]), [origin.x, origin.y, origin.z].map(f64::to_bits));
                             let end = point(&edge.curve, edge.range[1]);
                             let told = bits(&text[4..7]);
-                            let gap = (0..3).map(|c| (f64::from_bits(told[c]) - end[c]).abs()).fold(0.0, f64::max);
+                            let gap =
+                                (0..3).map(|c| (f64::from_bits(told[c]) - end[c]).abs()).fold(0.0, f64::max);
                             assert!(gap < 1e-13);
                         }
                         _ => assert_eq!(text[0], "100"),

@@ -59,9 +59,13 @@ fn impeller_comes_back_to_the_bit() {
 #[test]
 fn every_kind_of_face_comes_back() {
     let mut first = cad_io::read_iges(everything().as_bytes()).unwrap();
-    first.name = "Flügelrad; 3 × 2, \"a name that is longer than one line of the section it stands in\"".to_owned();
-    first.parts[0].faces[4].name = "Fläche, mit Komma; und mehr als vierundsechzig Zeichen in ihrem Namen".to_owned();
-    for unit in [LengthUnit::inch(), LengthUnit::metre(), LengthUnit { name: "ft".to_owned(), metres: 0.3048 }] {
+    first.name =
+        "Flügelrad; 3 × 2, \"a name that is longer than one line of the section it stands in\"".to_owned();
+    first.parts[0].faces[4].name =
+        "Fläche, mit Komma; und mehr als vierundsechzig Zeichen in ihrem Namen".to_owned();
+    for unit in
+        [LengthUnit::inch(), LengthUnit::metre(), LengthUnit { name: "ft".to_owned(), metres: 0.3048 }]
+    {
         first.unit = Some(unit);
         let second = round(&first);
         compare(&first, &second);

@@ -4,6 +4,7 @@
 
 mod align;
 mod browser;
+mod cad_output;
 mod common;
 mod degenerate;
 mod demo;

@@ -116,7 +116,12 @@ impl Entities {
     }
 
     /// A curve in space (type 126).
-    pub(super) fn curve(&mut self, curve: &BsplineCurve<3>, status: Status, property: Option<Number>) -> Number {
+    pub(super) fn curve(
+        &mut self,
+        curve: &BsplineCurve<3>,
+        status: Status,
+        property: Option<Number>,
+    ) -> Number {
         let points = curve.control_points().iter().flat_map(|p| [p.x, p.y, p.z]).collect();
         let [start, end] = [curve.domain().start(), curve.domain().end()].map(|t| curve.point(t));
         self.spline(curve, points, [start == end, false], status, property)
@@ -138,7 +143,9 @@ impl Entities {
     ) -> Number {
         let count = curve.control_points().len();
         let mut values = Values::new(126);
-        for value in [count - 1, curve.degree(), planar.into(), closed.into(), curve.weights().is_none().into(), 0] {
+        for value in
+            [count - 1, curve.degree(), planar.into(), closed.into(), curve.weights().is_none().into(), 0]
+        {
             values.integer(value);
         }
         values.knots(curve.knots());
@@ -151,7 +158,12 @@ impl Entities {
     }
 
     /// A surface (type 128).
-    pub(super) fn surface(&mut self, surface: &BsplineSurface, status: Status, property: Option<Number>) -> Number {
+    pub(super) fn surface(
+        &mut self,
+        surface: &BsplineSurface,
+        status: Status,
+        property: Option<Number>,
+    ) -> Number {
         let (n_u, n_v) = (surface.n_u(), surface.n_v());
         let polynomial = surface.weights().is_none();
         let mut values = Values::new(128);
@@ -199,7 +211,13 @@ impl Entities {
     }
 
     /// A trimmed surface (type 144).
-    pub(super) fn trimmed(&mut self, surface: Number, outer: Number, inner: Vec<Number>, property: Option<Number>) {
+    pub(super) fn trimmed(
+        &mut self,
+        surface: Number,
+        outer: Number,
+        inner: Vec<Number>,
+        property: Option<Number>,
+    ) {
         let mut values = Values::new(144);
         values.pointer(Some(surface));
         values.integer(1);

@@ -30,12 +30,14 @@ pub fn to_iges(model: &ModelDescription) -> Result<Vec<u8>, Error> {
     let mut largest: f64 = 0.0;
     for part in placed(model)? {
         for face in &part.faces {
-            write_face(&mut entities, &part, face, &mut largest).map_err(|error| named(error, &face_name(face)))?;
+            write_face(&mut entities, &part, face, &mut largest)
+                .map_err(|error| named(error, &face_name(face)))?;
         }
         for free in &part.curves {
             let name = format!("curve \"{}\" (entity {})", free.name, free.source);
             let curve = edges::nurbs(&free.curve, free.range).map_err(|error| named(error.into(), &name))?;
-            let curve = shape::clamped_curve(&curve).map_err(|error| named(error.into(), &name))?.into_owned();
+            let curve =
+                shape::clamped_curve(&curve).map_err(|error| named(error.into(), &name))?.into_owned();
             largest = reach(curve.control_points(), largest);
             let property = entities.name(&free.name);
             entities.curve(&curve, Status::Free, property);
@@ -123,7 +125,8 @@ fn write_face(
 /// The curves of a loop in its direction, and the diagonal of the box around their control points.
 fn in_space(part: &PartDescription, uses: &[EdgeUse]) -> Result<(Vec<BsplineCurve<3>>, f64), Fault> {
     let mut curves = Vec::with_capacity(uses.len());
-    let (mut low, mut high) = (nalgebra::Vector3::repeat(f64::INFINITY), nalgebra::Vector3::repeat(f64::NEG_INFINITY));
+    let (mut low, mut high) =
+        (nalgebra::Vector3::repeat(f64::INFINITY), nalgebra::Vector3::repeat(f64::NEG_INFINITY));
     for edge_use in uses {
         let Some(edge) = part.edges.get(edge_use.edge) else {
             return Err(Fault::Other(format!("a loop names edge {}, of which there is none", edge_use.edge)));
