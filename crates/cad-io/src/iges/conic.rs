@@ -1,5 +1,6 @@
 //! Conic arcs (type 104).
 
+use super::curves;
 use super::fault::Fault;
 use super::file::Cursor;
 use brep_core::description::EdgeCurve;
@@ -102,7 +103,7 @@ impl Conic {
         }
         let points = [p, tangent, q].map(|v| Vector3::new(v.x, v.y, self.z));
         let weights = vec![1.0, square.sqrt(), 1.0];
-        let curve = BsplineCurve::bezier(points.to_vec(), Some(weights));
+        let curve = BsplineCurve::bezier(points.to_vec(), curves::rational(weights));
         let curve = curve.map_err(|error: Error| error.to_string())?;
         Ok((EdgeCurve::Nurbs(Arc::new(curve)), [0.0, 1.0]))
     }

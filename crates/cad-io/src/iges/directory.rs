@@ -110,7 +110,7 @@ mod tests {
 
     #[test]
     fn fields_of_an_entry() {
-        let first = "     144       7       0       0       0       0       9       0010 0 00";
+        let first = "     144       7       0       0       0       0       9       00000 0 0";
         let second = "     144       0       0       2       1                 BLADE       3";
         let found = entries(&[line(5, first), line(6, second)]).unwrap();
         let e = &found[0];

@@ -228,7 +228,7 @@ impl<'f> Cursor<'f> {
                 Ok(Some(entry))
             }
             None => {
-                let last = 2 * self.file.entries.len();
+                let last = (2 * self.file.entries.len()).saturating_sub(1);
                 Err(self.fault(format!(
                     "the {name} is {value}; directory entries are the odd numbers up to {last}"
                 )))

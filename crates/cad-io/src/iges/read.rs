@@ -94,6 +94,7 @@ fn read(data: &[u8]) -> Result<ModelDescription, Fault> {
             model.leave_out(entry, why.to_owned());
         }
     }
+    model.sort(&loose);
     model.finish(loose)
 }
 
@@ -181,6 +182,14 @@ impl<'f> Reading<'f> {
         self.part.vertices.truncate(vertices);
         self.part.curves.truncate(free);
         loose.faces.retain(|&face| face < faces);
+    }
+
+    /// Puts faces without a solid and free curves into the order of the file; which of them others name is known only after
+    /// some were read.
+    fn sort(&mut self, loose: &ShellDescription) {
+        let first = loose.faces.first().copied().unwrap_or(self.part.faces.len());
+        self.part.faces[first..].sort_by_key(|face| face.source);
+        self.part.curves.sort_by_key(|curve| curve.source);
     }
 
     fn finish(mut self, loose: ShellDescription) -> Result<ModelDescription, Fault> {

@@ -203,7 +203,7 @@ mod tests {
         assert_eq!(t.next(USUAL), Ok(Value::Empty));
         let mut t = tokens(&["1,", "2"]);
         t.next(USUAL).unwrap();
-        assert_eq!(t.next(USUAL).unwrap_err().line, 7);
+        assert_eq!(t.next(USUAL).unwrap_err().line, 8);
         assert!(tokens(&["99Hx"]).next(USUAL).unwrap_err().what.contains("longer"));
         assert!(tokens(&["2Habc,"]).next(USUAL).unwrap_err().what.contains("missing"));
     }

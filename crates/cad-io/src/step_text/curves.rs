@@ -63,26 +63,32 @@ fn spline(out: &mut Instances, name: &str, curve: &BsplineCurve<3>) -> Reference
     }
 }
 
-/// The piece of a curve over a range: a B-spline or a whole circle or ellipse as it is, others trimmed by parameters.
+/// The piece of a curve over a range: a polynomial B-spline or a whole circle or ellipse as it is, others trimmed by
+/// parameters. Not all readers take a rational B-spline by itself.
 pub(super) fn bounded(
     out: &mut Instances,
     name: &str,
     whole: &EdgeCurve,
     range: [f64; 2],
 ) -> Result<Reference, Error> {
-    let length = range[1] - range[0];
-    match whole {
+    let name = string(name);
+    let is_closed = |length: f64| length >= TAU;
+    let basis = match whole {
         EdgeCurve::Nurbs(_) => {
             let piece = crate::edges::nurbs(whole, range)?;
             let piece = shape::clamped_curve(&piece)?;
-            Ok(spline(out, &string(name), &piece))
+            if piece.weights().is_none() {
+                return Ok(spline(out, &name, &piece));
+            }
+            spline(out, "''", &piece)
         }
-        EdgeCurve::Circle { .. } | EdgeCurve::Ellipse { .. } if length >= TAU => curve(out, name, whole),
+        EdgeCurve::Circle { .. } | EdgeCurve::Ellipse { .. } if is_closed(range[1] - range[0]) => {
+            return curve(out, "", whole);
+        }
         EdgeCurve::Circle { .. } | EdgeCurve::Ellipse { .. } | EdgeCurve::Line { .. } => {
-            let basis = curve(out, "", whole)?;
-            let [start, end] = range.map(|t| format!("(PARAMETER_VALUE({}))", real(t)));
-            let name = string(name);
-            Ok(out.add(&format!("TRIMMED_CURVE({name},{basis},{start},{end},.T.,.PARAMETER.)")))
+            curve(out, "", whole)?
         }
-    }
+    };
+    let [start, end] = range.map(|t| format!("(PARAMETER_VALUE({}))", real(t)));
+    Ok(out.add(&format!("TRIMMED_CURVE({name},{basis},{start},{end},.T.,.PARAMETER.)")))
 }

@@ -98,18 +98,17 @@ fn write_part(
         let model = format!("SHELL_BASED_SURFACE_MODEL({},{})", instances::string(name), list(&open));
         items.surfaces.push(out.add(&model));
     }
-    let mut wires = Vec::with_capacity(part.curves.len());
-    for free in &part.curves {
-        let what = format!("curve \"{}\" (entity {})", free.name, free.source);
-        let written = curves::bounded(out, &free.name, &free.curve, free.range);
-        wires.push(written.map_err(|error| unwritable(&what, error.to_string()))?);
-    }
-    if !wires.is_empty() {
-        items.wires.push(out.add(&format!(
-            "GEOMETRIC_CURVE_SET({},{})",
-            instances::string(name),
-            list(&wires)
-        )));
+    // Readers take the name of a curve from its set.
+    for same_name in part.curves.chunk_by(|a, b| a.name == b.name) {
+        let mut wires = Vec::with_capacity(same_name.len());
+        for free in same_name {
+            let what = format!("curve \"{}\" (entity {})", free.name, free.source);
+            let written = curves::bounded(out, &free.name, &free.curve, free.range);
+            wires.push(written.map_err(|error| unwritable(&what, error.to_string()))?);
+        }
+        let set_name = same_name.first().map_or("", |free| &free.name);
+        let set_name = instances::string(if set_name.is_empty() { name } else { set_name });
+        items.wires.push(out.add(&format!("GEOMETRIC_CURVE_SET({set_name},{})", list(&wires))));
     }
     Ok(())
 }

@@ -24,7 +24,6 @@ fn faults_name_line_entity_and_cure() {
         (100, "0.,0.,0.,0.,0.,1.,1.", "radius of the arc is 0"),
         (102, "1,1", "circle"),
         (102, "2,7,9", "directory entries are the odd numbers up to 1"),
-        (144, "1,1,0,1", "type 144"),
         (186, "1,1,0", "must be of type 514"),
     ];
     for (kind, values, what) in cases {

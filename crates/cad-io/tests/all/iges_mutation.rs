@@ -17,10 +17,10 @@ impl Random {
 fn mutated(data: &[u8], seed: u64) -> Vec<u8> {
     let mut random = Random(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) + 1);
     let mut data = data.to_vec();
-    for _ in 0..=random.below(4) {
+    for _ in 0..=random.below(3) {
         let at = random.below(data.len());
         let length = random.below(200).min(data.len() - at);
-        match random.below(8) {
+        match random.below(24) {
             0 => data[at] = u8::try_from(random.below(256)).unwrap(),
             1 => data[at] = b"0123456789,;.-+EDH \n"[random.below(20)],
             2 => drop(data.drain(at..at + length)),
@@ -30,16 +30,23 @@ fn mutated(data: &[u8], seed: u64) -> Vec<u8> {
                 data.splice(to..to, piece);
             }
             4 => data.truncate(at.max(1)),
-            5 => {
+            5..=12 => {
                 // Digits of a whole line: sequence numbers and sections stay.
                 let start = at / 81 * 81;
                 for byte in data.iter_mut().skip(start).take(64).filter(|byte| byte.is_ascii_digit()) {
                     *byte = b'0' + u8::try_from(random.below(10)).unwrap();
                 }
             }
-            6 => {
+            13 => {
                 let other = random.below(data.len());
                 data.swap(at, other);
+            }
+            14..=19 => {
+                // One character of a record: sections and sequence numbers stay.
+                let at = at / 81 * 81 + random.below(64);
+                if let Some(byte) = data.get_mut(at) {
+                    *byte = b"0123456789,;.-+EDH "[random.below(19)];
+                }
             }
             _ => {
                 // Two lines change places.
@@ -76,7 +83,7 @@ fn run(data: &[u8], seeds: std::ops::Range<u64>) -> [usize; 2] {
 #[test]
 fn two_thousand_damaged_files() {
     let [refused, read] = run(everything().as_bytes(), 0..2000);
-    assert!(refused > 300 && read > 300, "{refused} refused, {read} read");
+    assert!(refused > 100 && read > 100, "{refused} refused, {read} read");
 }
 
 #[test]
