@@ -10,12 +10,19 @@ fn main() {
             Err(error) => println!("{error}"),
             Ok(model) => {
                 let count = |f: &dyn Fn(&Carrier) -> bool| -> usize {
-                    model.instances.iter().map(|i| model.parts[i.part].faces.iter().filter(|x| f(&x.carrier)).count()).sum()
+                    model
+                        .instances
+                        .iter()
+                        .map(|i| model.parts[i.part].faces.iter().filter(|x| f(&x.carrier)).count())
+                        .sum()
                 };
                 println!(
                     "{path}: {:.3} s, unit {:?}, uncertainty {:?}, {} parts, {} instances, {} faces distinct, {} placed, {} nurbs, {} rational",
-                    start.elapsed().as_secs_f64(), model.unit, model.uncertainty,
-                    model.parts.len(), model.instances.len(),
+                    start.elapsed().as_secs_f64(),
+                    model.unit,
+                    model.uncertainty,
+                    model.parts.len(),
+                    model.instances.len(),
                     model.parts.iter().map(|p| p.faces.len()).sum::<usize>(),
                     count(&|_| true),
                     count(&|c| matches!(c, Carrier::Nurbs(_))),

@@ -50,6 +50,7 @@
 
 mod analytic;
 mod borders;
+mod brep;
 mod cloud;
 mod cloud_site;
 mod curve;
@@ -75,6 +76,7 @@ mod surface;
 mod term;
 
 pub use analytic::{AnalyticCurve, AnalyticCurveField, AnalyticField};
+pub use brep::BrepField;
 pub use cloud::{CloudField, CloudOptions};
 pub use curve::CurveField;
 pub use d2_tree::{D2Tree, D2TreeOptions, D2TreeReport};

@@ -123,7 +123,7 @@ impl<'m> Reader<'m> {
                 loops.push(LoopDescription::Vertex(self.vertex(builder, &vertex)?));
                 continue;
             }
-            loops.push(LoopDescription::Edges(self.edge_loop(builder, &bound)?));
+            loops.push(LoopDescription::Edges(self.edge_loop(builder, &bound, shell)?));
         }
         Ok(FaceDescription {
             name: face.name().to_owned(),
@@ -134,7 +134,12 @@ impl<'m> Reader<'m> {
         })
     }
 
-    fn edge_loop(&self, builder: &mut PartBuilder, bound: &Bound<'m>) -> Result<Vec<EdgeUse>, String> {
+    fn edge_loop(
+        &self,
+        builder: &mut PartBuilder,
+        bound: &Bound<'m>,
+        shell: Orientation,
+    ) -> Result<Vec<EdgeUse>, String> {
         let mut uses = Vec::new();
         for (edge, orientation) in bound.oriented_edges() {
             let index = self.edge(builder, &edge)?;
@@ -159,7 +164,8 @@ impl<'m> Reader<'m> {
                 ));
             }
         }
-        if bound.orientation() == Orientation::Reversed {
+        // A face that is turned over has its loops the other way round.
+        if bound.orientation() != shell {
             uses.reverse();
             uses.iter_mut().for_each(|u| u.forward = !u.forward);
         }

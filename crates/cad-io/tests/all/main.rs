@@ -8,4 +8,9 @@ mod iges_faults;
 mod iges_files;
 mod iges_mutation;
 mod iges_write;
+#[cfg(feature = "step")]
+mod step;
+#[cfg(feature = "step")]
+mod step_damage;
+#[cfg(feature = "step")]
 mod step_write;

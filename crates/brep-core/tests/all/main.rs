@@ -1,0 +1,5 @@
+//! Behaviour of models against closed forms.
+
+mod closest;
+mod damage;
+mod shapes;
