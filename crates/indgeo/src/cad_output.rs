@@ -8,7 +8,6 @@ use industrial_geometry::cad::{ModelBuilder, to_iges, to_step};
 use industrial_geometry::io::{Model, Shape};
 use industrial_geometry::nurbs::BsplineCurve;
 use industrial_geometry::nurbs::nalgebra::Vector3;
-use std::io::Write as _;
 use std::path::Path;
 
 /// A CAD format.

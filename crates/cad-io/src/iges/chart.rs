@@ -1,10 +1,11 @@
 //! Surfaces by the parameters that the file gives them, which curves on surfaces are written in.
 
 use super::motion::Motion;
-use crate::edges;
 use brep_core::description::EdgeCurve;
 use nalgebra::{Rotation3, Unit, Vector3};
-use nurbs_core::{BsplineCurve, BsplineSurface, Error, KnotVector, ParametricCurve, ParametricSurface};
+use nurbs_core::{
+    BsplineCurve, BsplineSurface, CurveJet, Error, KnotVector, ParametricCurve, ParametricSurface,
+};
 use std::sync::Arc;
 
 /// Largest distance of a lifted curve from the surface, as a share of the size of the curve.
@@ -65,7 +66,7 @@ impl Chart {
                 [jet.point, jet.du * domain_u.length(), jet.dv * domain_v.length()]
             }
             Self::Revolution { curve, origin, axis } => {
-                let [point, derivative] = edges::jet(curve, u);
+                let CurveJet { point, d1: derivative, .. } = curve.jet(u);
                 let turn = Rotation3::from_axis_angle(axis, v);
                 let arm = turn * (point - origin);
                 [origin + arm, turn * derivative, axis.cross(&arm)]

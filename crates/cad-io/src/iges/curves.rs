@@ -32,7 +32,7 @@ pub(crate) struct Piece {
 impl Piece {
     /// The points where it begins and ends, in the direction in which it is passed along.
     pub(crate) fn ends(&self) -> [Vector3<f64>; 2] {
-        let [start, end] = self.range.map(|t| edges::point(&self.curve, t));
+        let [start, end] = self.range.map(|t| self.curve.point(t));
         if self.forward { [start, end] } else { [end, start] }
     }
 

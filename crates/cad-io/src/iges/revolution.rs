@@ -5,10 +5,9 @@ use super::fault::Fault;
 use super::file::{Cursor, File};
 use super::ruled;
 use super::surfaces::Bounds;
-use crate::edges;
 use brep_core::description::{Carrier, EdgeCurve};
 use nalgebra::{Rotation3, Unit, Vector3};
-use nurbs_core::{Error, Frame, construct};
+use nurbs_core::{CurveJet, Error, Frame, construct};
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::sync::Arc;
 
@@ -80,7 +79,7 @@ impl Turning<'_> {
             EdgeCurve::Ellipse { .. } | EdgeCurve::Nurbs(_) => None,
         };
         let Some((carrier, normal)) = found else { return Ok(None) };
-        let [point, derivative] = edges::jet(self.curve, self.station());
+        let CurveJet { point, d1: derivative, .. } = self.curve.jet(self.station());
         let around = self.frame.z().cross(&(point - self.frame.origin()));
         Ok(Some((carrier, derivative.cross(&around).dot(&normal) > 0.0)))
     }
@@ -98,8 +97,8 @@ impl Turning<'_> {
 
     /// The carrier, and its normal at the station.
     fn from_line(&self, direction: &Vector3<f64>) -> Result<Option<(Carrier, Vector3<f64>)>, Error> {
-        let [start, end] = self.range.map(|t| edges::point(self.curve, t));
-        let middle = edges::point(self.curve, self.station());
+        let [start, end] = self.range.map(|t| self.curve.point(t));
+        let middle = self.curve.point(self.station());
         let local = |point: &Vector3<f64>| {
             let local = self.frame.local(point);
             [local.x.hypot(local.y), local.z]
@@ -138,7 +137,7 @@ impl Turning<'_> {
         let z = self.frame.z();
         let centre = self.frame.local(&circle.origin());
         let distance = centre.x.hypot(centre.y);
-        let middle = edges::point(self.curve, self.station());
+        let middle = self.curve.point(self.station());
         let normal = (middle - circle.origin()) / radius;
         // The plane of the circle contains the axis.
         let holds_axis = circle.z().dot(&z).abs() <= SPECIAL

@@ -4,7 +4,7 @@
 mod analytic;
 mod spline;
 
-use crate::{builder, edges};
+use crate::builder;
 use brep_core::description::{EdgeCurve, EdgeDescription, EdgeUse, LoopDescription, PartDescription};
 use nalgebra::Vector3;
 use nurbs_core::{BsplineCurve, Direction};
@@ -110,6 +110,6 @@ impl NaturalBoundary {
     fn corner_point(&self, corner: usize) -> Vector3<f64> {
         let (_, _, forward) = SIDES[corner];
         let Side { curve, range, .. } = &self.sides[corner];
-        edges::point(curve, if forward { range[0] } else { range[1] })
+        curve.point(if forward { range[0] } else { range[1] })
     }
 }

@@ -4,7 +4,7 @@ use super::curves::{curve, flag, knots};
 use super::instances::{Instances, Reference, list, real, reals, string};
 use crate::write::flat::unwritable;
 use crate::write::shape;
-use crate::{Error, edges, natural};
+use crate::{Error, natural};
 use brep_core::description::{Carrier, EdgeUse, FaceDescription, LoopDescription, PartDescription};
 use nalgebra::Vector3;
 use nurbs_core::{BsplineSurface, Frame, Sphere, Torus};
@@ -77,7 +77,7 @@ impl<'p> Faces<'p> {
     fn edge(&mut self, out: &mut Instances, index: usize) -> Result<Reference, String> {
         let edge = self.part.edges.get(index);
         let edge = edge.ok_or_else(|| format!("a loop names edge {index}, of which there is none"))?;
-        let [start, end] = edge.range.map(|t| edges::point(&edge.curve, t));
+        let [start, end] = edge.range.map(|t| edge.curve.point(t));
         let mut vertex = |out: &mut Instances, known: Option<usize>, point: &Vector3<f64>| match known {
             Some(vertex) => self.vertex(out, vertex),
             None => {

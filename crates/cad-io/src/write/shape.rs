@@ -101,7 +101,7 @@ fn stations(part: &PartDescription, face: &FaceDescription) -> Vec<Vector3<f64>>
                 let share = f64::from(k) / f64::from(STATIONS);
                 (1.0 - share) * start + share * end
             };
-            points.extend((0..=STATIONS).map(|k| edges::point(&edge.curve, at(k))));
+            points.extend((0..=STATIONS).map(|k| edge.curve.point(at(k))));
         }
     }
     points

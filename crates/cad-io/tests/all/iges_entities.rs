@@ -11,19 +11,6 @@ fn read(text: &str) -> ModelDescription {
     cad_io::read_iges(text.as_bytes()).unwrap()
 }
 
-/// A point of an edge curve.
-pub(crate) fn point(curve: &EdgeCurve, t: f64) -> Vector3<f64> {
-    let on_ellipse = |frame: &nurbs_core::Frame, a: f64, b: f64| {
-        frame.origin() + frame.x() * (a * t.cos()) + frame.y() * (b * t.sin())
-    };
-    match curve {
-        EdgeCurve::Line { origin, direction } => origin + direction * t,
-        EdgeCurve::Circle { frame, radius } => on_ellipse(frame, *radius, *radius),
-        EdgeCurve::Ellipse { frame, semi_axes: [a, b] } => on_ellipse(frame, *a, *b),
-        EdgeCurve::Nurbs(curve) => curve.point(t),
-    }
-}
-
 /// Every loop is a chain: each edge begins where the one before ends.
 pub(crate) fn check_loops(part: &PartDescription, tolerance: f64) {
     for face in &part.faces {
@@ -34,7 +21,7 @@ pub(crate) fn check_loops(part: &PartDescription, tolerance: f64) {
                 let ends = |edge: usize, forward: bool| {
                     let edge = &part.edges[edge];
                     assert!(edge.range[0] < edge.range[1]);
-                    let [start, end] = edge.range.map(|t| point(&edge.curve, t));
+                    let [start, end] = edge.range.map(|t| edge.curve.point(t));
                     let vertices = [edge.start.unwrap(), edge.end.unwrap()];
                     for (point, vertex) in [start, end].iter().zip(vertices) {
                         assert!((point - part.vertices[vertex].point).norm() <= tolerance);
@@ -89,7 +76,7 @@ fn faces_of_every_kind() {
     let hole = &part.edges[hole[0].edge];
     for k in 0..=20 {
         let t = hole.range[0] + (hole.range[1] - hole.range[0]) * f64::from(k) / 20.0;
-        assert!(((point(&hole.curve, t) - Vector3::new(5.0, 5.0, 0.0)).norm() - 2.0).abs() < 1e-8);
+        assert!(((hole.curve.point(t) - Vector3::new(5.0, 5.0, 0.0)).norm() - 2.0).abs() < 1e-8);
     }
     // The half cylinder was turned by a quarter about z and moved; its axis was z.
     let half = &part.faces[5];
@@ -101,7 +88,7 @@ fn faces_of_every_kind() {
     let LoopDescription::Edges(ring) = &half.loops[0] else { panic!() };
     assert_eq!(ring.iter().map(|edge| edge.forward).collect::<Vec<_>>(), [true, true, false, true]);
     let bottom = &part.edges[ring[0].edge];
-    assert!(near(point(&bottom.curve, bottom.range[0]), [20.0, 2.0, 5.0]));
+    assert!(near(bottom.curve.point(bottom.range[0]), [20.0, 2.0, 5.0]));
     let ruled = surface(&part.faces[6]);
     assert!(near(ruled.point(0.5, 1.0), [2.0, 3.0, 8.0]));
     let LoopDescription::Edges(uses) = &part.faces[6].loops[0] else { panic!() };
@@ -146,7 +133,7 @@ fn free_curves_and_what_is_left_out() {
     let model = read(&everything());
     let curves = &model.parts[0].curves;
     assert_eq!(curves.len(), 7);
-    let ends = |i: usize| curves[i].range.map(|t| point(&curves[i].curve, t));
+    let ends = |i: usize| curves[i].range.map(|t| curves[i].curve.point(t));
     let expected = [
         ([3.0, 0.0, 1.0], [0.0, 3.0, 1.0]),
         ([2.0, 0.0, 0.0], [0.0, 1.0, 0.0]),
@@ -168,11 +155,11 @@ fn free_curves_and_what_is_left_out() {
     for (i, equation) in conics {
         for k in 0..=16 {
             let [start, end] = curves[i].range;
-            let p = point(&curves[i].curve, start + (end - start) * f64::from(k) / 16.0);
+            let p = curves[i].curve.point(start + (end - start) * f64::from(k) / 16.0);
             assert!(equation(p).abs() < 1e-13, "conic {i} at {p}");
         }
     }
-    let spline = |t: f64| point(&curves[5].curve, t);
+    let spline = |t: f64| curves[5].curve.point(t);
     assert!(near(spline(0.5), [0.5, 0.25, 0.125]));
     let left_out: Vec<(&str, &str)> =
         model.unread.iter().map(|unread| (unread.kind.as_str(), unread.why.as_str())).collect();
@@ -269,7 +256,7 @@ fn boundaries_in_angles_are_lifted() {
     assert_eq!((part.edges.len(), part.faces[0].loops.len()), (4, 1));
     for edge in &part.edges {
         for k in 0..=40 {
-            let p = point(&edge.curve, edge.range[0] + (edge.range[1] - edge.range[0]) * f64::from(k) / 40.0);
+            let p = edge.curve.point(edge.range[0] + (edge.range[1] - edge.range[0]) * f64::from(k) / 40.0);
             assert!((p.xy().norm() - 2.0).abs() < 1e-8 && p.z > -1e-12 && p.z < 3.0 + 1e-12);
         }
     }

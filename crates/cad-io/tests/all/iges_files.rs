@@ -1,6 +1,6 @@
 //! Files of other programs; the numbers are compared with the text, which is taken apart here by other means.
 
-use crate::iges_entities::{check_loops, point};
+use crate::iges_entities::check_loops;
 use brep_core::description::{Carrier, EdgeCurve, LoopDescription};
 use nurbs_core::{BsplineCurve, BsplineSurface};
 use std::collections::HashMap;
@@ -119,7 +119,7 @@ fn impeller_is_read_to_the_bit() {
                         EdgeCurve::Nurbs(curve) => same_curve(curve, text),
                         EdgeCurve::Line { origin, .. } => {
                             assert_eq!(bits(&text[1..4]), [origin.x, origin.y, origin.z].map(f64::to_bits));
-                            let end = point(&edge.curve, edge.range[1]);
+                            let end = edge.curve.point(edge.range[1]);
                             let told = bits(&text[4..7]);
                             let gap =
                                 (0..3).map(|c| (f64::from_bits(told[c]) - end[c]).abs()).fold(0.0, f64::max);
@@ -147,7 +147,7 @@ fn arcs_of_another_program() {
     // The matrix of the file only moves.
     assert!((frame.origin().x + 63.253315).abs() < 1e-12);
     assert!((radius - text[3].hypot(text[4])).abs() < 1e-12);
-    let end = point(&curves[0].curve, curves[0].range[1]);
+    let end = curves[0].curve.point(curves[0].range[1]);
     assert!((end.x - (text[5] - 63.253315)).abs() < 1e-7 && (end.y - (text[6] + 36.654861)).abs() < 1e-7);
     let EdgeCurve::Nurbs(spline) = &curves[1].curve else { panic!() };
     same_curve(spline, &values[&7]);

@@ -6,6 +6,7 @@ mod iges_builder;
 mod iges_entities;
 mod iges_faults;
 mod iges_files;
+mod iges_models;
 mod iges_mutation;
 mod iges_write;
 #[cfg(feature = "step")]
