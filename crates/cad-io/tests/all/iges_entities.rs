@@ -2,10 +2,10 @@
 
 use crate::iges_builder::{Iges, everything, tetrahedron};
 use brep_core::description::{
-    Carrier, EdgeCurve, FaceDescription, LoopDescription, ModelDescription, PartDescription,
+    Carrier, FaceDescription, LoopDescription, ModelDescription, PartDescription,
 };
 use nalgebra::Vector3;
-use nurbs_core::{BsplineSurface, ParametricCurve, ParametricSurface};
+use nurbs_core::{BsplineSurface, ParametricSurface};
 
 fn read(text: &str) -> ModelDescription {
     cad_io::read_iges(text.as_bytes()).unwrap()
