@@ -207,7 +207,10 @@ fn compare(cases: &[Case]) -> Result<(), Failure> {
             if case.exact && face["name"].as_str() != Some(&ours.name) {
                 fault(format!("face \"{}\" is called {}", ours.name, face["name"]));
             }
-            if let (Carrier::Nurbs(surface), true) = (&ours.carrier, case.exact) {
+            // OpenCASCADE makes closed surfaces periodic, with other knots and control points.
+            let Carrier::Nurbs(surface) = &ours.carrier else { continue };
+            let closed = |direction| surface.is_closed(direction, 1e-9).unwrap_or(false);
+            if case.exact && !closed(Direction::U) && !closed(Direction::V) {
                 splines += 1;
                 largest = largest.max(difference(surface, &face["spline"], scale));
             }

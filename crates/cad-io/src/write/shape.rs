@@ -10,7 +10,9 @@ use std::borrow::Cow;
 use std::f64::consts::TAU;
 
 /// Share of the extent by which carriers reach beyond their loops.
-const MARGIN: f64 = 0.01;
+pub(crate) const MARGIN: f64 = 0.01;
+/// Narrowest gap between the angles of a face (radians) that a seam is moved into; without one the face goes all around.
+const NARROWEST: f64 = 0.1;
 
 /// The surface with the first and last knots repeated, as files want them; periodic ones are cut open at their seam. What is
 /// clamped already keeps every bit.
@@ -43,12 +45,14 @@ pub(crate) fn clamped_curve<const D: usize>(
     curve.clamped().map(Cow::Owned)
 }
 
-/// The carrier of a face as a B-spline that reaches as far as the loops, a little more where it could.
+/// The carrier of a face as a B-spline that reaches as far as the loops, and by a share of that (`margin`) beyond where it
+/// could.
 ///
 /// `None` for an unbounded carrier without loops.
 pub(crate) fn nurbs<'a>(
     part: &PartDescription,
     face: &'a FaceDescription,
+    margin: f64,
 ) -> Result<Option<Cow<'a, BsplineSurface>>, Error> {
     let points = hull(part, face)?;
     let made = match &face.carrier {
@@ -61,16 +65,16 @@ pub(crate) fn nurbs<'a>(
         }
         _ if points.is_empty() => return Ok(None),
         Carrier::Plane { frame } => {
-            let (u, v) = (extent(frame, &points, 0)?, extent(frame, &points, 1)?);
+            let (u, v) = (extent(frame, &points, 0, margin)?, extent(frame, &points, 1, margin)?);
             Plane::new(*frame, u, v).to_nurbs()?
         }
         Carrier::Cylinder { frame, radius } => {
             let frame = turned(frame, &stations(part, face))?;
-            Cylinder::new(frame, *radius, extent(&frame, &points, 2)?)?.to_nurbs()?
+            Cylinder::new(frame, *radius, extent(&frame, &points, 2, margin)?)?.to_nurbs()?
         }
         Carrier::Cone { frame, radius, half_angle } => {
             let frame = turned(frame, &stations(part, face))?;
-            let heights = extent(&frame, &points, 2)?;
+            let heights = extent(&frame, &points, 2, margin)?;
             // Not beyond the apex.
             let slope = half_angle.tan();
             let apex = -radius / slope;
@@ -120,11 +124,11 @@ pub(crate) fn hull(part: &PartDescription, face: &FaceDescription) -> Result<Vec
 }
 
 /// The interval of a coordinate in a frame that the points take, and a margin.
-fn extent(frame: &Frame, points: &[Vector3<f64>], coordinate: usize) -> Result<Interval, Error> {
+fn extent(frame: &Frame, points: &[Vector3<f64>], coordinate: usize, margin: f64) -> Result<Interval, Error> {
     let all = points.iter().map(|point| frame.local(point)[coordinate]);
     let (low, high) =
         all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
-    let margin = MARGIN * (high - low);
+    let margin = margin * (high - low);
     Interval::new(low - margin, high + margin)
 }
 
@@ -142,6 +146,9 @@ fn turned(frame: &Frame, points: &[Vector3<f64>]) -> Result<Frame, Error> {
     let gaps = angles.windows(2).map(|pair| (pair[1] - pair[0], pair[0]));
     let (gap, after) =
         gaps.fold((first + TAU - last, last), |widest, gap| if gap.0 > widest.0 { gap } else { widest });
+    if gap < NARROWEST {
+        return Ok(*frame);
+    }
     let seam = after + 0.5 * gap;
     Frame::new(frame.origin(), frame.z(), frame.x() * seam.cos() + frame.y() * seam.sin())
 }

@@ -1,9 +1,7 @@
 //! Each kind of entity against what it means.
 
 use crate::iges_builder::{Iges, everything, tetrahedron};
-use brep_core::description::{
-    Carrier, FaceDescription, LoopDescription, ModelDescription, PartDescription,
-};
+use brep_core::description::{Carrier, FaceDescription, LoopDescription, ModelDescription, PartDescription};
 use nalgebra::Vector3;
 use nurbs_core::{BsplineSurface, ParametricSurface};
 

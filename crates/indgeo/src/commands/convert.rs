@@ -252,6 +252,10 @@ pub(crate) fn run(args: &Args, report: &mut Report) -> Result<Outcome, Error> {
         _ => None,
     };
     args.cad.check_format(cad_format.is_some())?;
+    if args.cad.name.is_some() && cad_format.is_none() {
+        let what = "--name has no effect: only STEP and IGES files take another name";
+        return Err(Error::usage(what, "leave it out, or call OUTPUT .step or .igs"));
+    }
     let mut timings = Timings::default();
     let options = ReadOptions::default()
         .with_drop_non_finite(args.drop_non_finite)

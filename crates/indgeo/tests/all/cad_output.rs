@@ -50,6 +50,7 @@ fn what_has_no_effect_or_cannot_be_is_refused() {
     assert_eq!(bench.run("convert square.json square.igs --unit mm").code, 0);
     let cases = [
         ("convert square.json other.json --unit mm", "--unit has no effect"),
+        ("convert square.json other.json --name x", "--name has no effect"),
         ("convert square.json other.step --unit furlong", "choose mm, cm"),
         ("convert cloud.xyz other.step", "fit a surface first"),
         ("convert square.igs other.step --unit m", "states no unit; this one is in mm"),

@@ -7,11 +7,16 @@ use crate::write::flat::{placed, unwritable};
 use crate::write::shape;
 use crate::{Error, edges};
 use brep_core::description::{
-    Carrier, EdgeUse, FaceDescription, LoopDescription, ModelDescription, PartDescription,
+    Carrier, EdgeCurve, EdgeUse, FaceDescription, LoopDescription, ModelDescription, PartDescription,
 };
 use entities::{Entities, Status};
 use nurbs_core::{BsplineCurve, BsplineSurface};
 use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+
+/// Angle from which an arc is a whole circle.
+const FULL_TURN: f64 = TAU * (1.0 - 1e-12);
 
 /// The bytes of an IGES file (5.3, fixed format) of a model.
 ///
@@ -80,7 +85,9 @@ fn write_face(
     largest: &mut f64,
 ) -> Result<(), Fault> {
     let unbounded = || Fault::Other("its surface is unbounded and it has no loops".to_owned());
-    let surface = shape::nurbs(part, face)?.ok_or_else(unbounded)?;
+    let whole = is_whole(part, face);
+    let margin = if whole { 0.0 } else { shape::MARGIN };
+    let surface = shape::nurbs(part, face, margin)?.ok_or_else(unbounded)?;
     // A face has no sense of its own in this format: the surface is turned over instead.
     let turned = !face.same_sense;
     let surface: Cow<'_, BsplineSurface> = if turned { Cow::Owned(surface.transposed()?) } else { surface };
@@ -94,7 +101,7 @@ fn write_face(
             LoopDescription::Edges(_) | LoopDescription::Vertex(_) => {}
         }
     }
-    if boundaries.is_empty() {
+    if whole || boundaries.is_empty() {
         entities.surface(&surface, Status::Free, name);
         return Ok(());
     }
@@ -120,6 +127,34 @@ fn write_face(
     let outer = written.remove(outer).0;
     entities.trimmed(surface, outer, written.into_iter().map(|(boundary, _)| boundary).collect(), name);
     Ok(())
+}
+
+/// Whether the loops of a face are the boundary that its carrier has by itself: a seam, and at most two circles about the
+/// axis. The bare surface says the same, and says it without seams, which not all readers understand.
+fn is_whole(part: &PartDescription, face: &FaceDescription) -> bool {
+    let mut counts: BTreeMap<usize, usize> = BTreeMap::new();
+    for boundary in &face.loops {
+        if let LoopDescription::Edges(uses) = boundary {
+            uses.iter().for_each(|edge| *counts.entry(edge.edge).or_default() += 1);
+        }
+    }
+    let seams = counts.values().filter(|&&count| count == 2).count();
+    let is_circle = |index: &usize| {
+        part.edges.get(*index).is_some_and(|edge| {
+            matches!(edge.curve, EdgeCurve::Circle { .. }) && edge.range[1] - edge.range[0] >= FULL_TURN
+        })
+    };
+    let rings = counts.iter().filter(|(_, count)| **count == 1);
+    match face.carrier {
+        Carrier::Sphere { .. } | Carrier::Torus { .. } => seams > 0 && seams == counts.len(),
+        Carrier::Cylinder { .. } | Carrier::Cone { .. } => {
+            seams == 1
+                && counts.len() <= 3
+                && rings.clone().count() + 1 == counts.len()
+                && rings.map(|(edge, _)| edge).all(is_circle)
+        }
+        Carrier::Plane { .. } | Carrier::Nurbs(_) => false,
+    }
 }
 
 /// The curves of a loop in its direction, and the diagonal of the box around their control points.
