@@ -87,13 +87,15 @@ impl Conic {
         let size = (p - q).norm();
         for (end, line) in [(p, at_p), (q, at_q)] {
             let slope = line.x.hypot(line.y);
-            if !(end.dot(&line).abs() <= ON_CONIC * size * slope) {
+            let is_on = end.dot(&line).abs() <= ON_CONIC * size * slope;
+            if !is_on {
                 return Err(format!("its end ({}, {}) does not lie on the conic", end.x, end.y));
             }
         }
         // Where the tangents, which are the polars of the ends, meet.
         let meeting = at_p.cross(&at_q);
-        if !(meeting.z.abs() > 1e-12 * meeting.amax()) {
+        let do_meet = meeting.z.abs() > 1e-12 * meeting.amax();
+        if !do_meet {
             return Err("its tangents at the ends are parallel".to_owned());
         }
         let tangent = meeting / meeting.z;

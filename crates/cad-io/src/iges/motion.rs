@@ -50,7 +50,8 @@ impl Motion {
         }
         let own =
             Self { matrix: Matrix3::from_fn(|i, j| rows[i][j]), offset: Vector3::from_fn(|i, _| rows[i][3]) };
-        if !(own.matrix.determinant().abs() > 0.0) {
+        let is_regular = own.matrix.determinant().abs() > 0.0;
+        if !is_regular {
             return Err(Fault::of(matrix, "the transformation matrix is singular"));
         }
         let own = Some(own).filter(|own| own.matrix != Matrix3::identity() || own.offset != Vector3::zeros());

@@ -30,7 +30,7 @@ fn breaks(values: &mut Cursor<'_>, pieces: usize) -> Result<Vec<f64>, Fault> {
         return Err(values.invalid("the spline has no pieces"));
     }
     let breaks = values.list(pieces + 1, "break points")?;
-    match breaks.windows(2).find(|pair| !(pair[0] < pair[1])) {
+    match breaks.windows(2).find(|pair| pair[0] >= pair[1]) {
         Some(pair) => {
             Err(values.invalid(format!("the break points {} and {} do not increase", pair[0], pair[1])))
         }

@@ -74,8 +74,8 @@ impl Turning<'_> {
     /// The analytic surface, and whether its normal is that of the parameters.
     fn analytic(&self) -> Result<Option<(Carrier, bool)>, Error> {
         let found = match self.curve {
-            EdgeCurve::Line { direction, .. } => self.from_line(direction)?,
-            EdgeCurve::Circle { frame, radius } => self.from_circle(frame, *radius)?,
+            EdgeCurve::Line { direction, .. } => self.by_line(direction)?,
+            EdgeCurve::Circle { frame, radius } => self.by_circle(frame, *radius)?,
             EdgeCurve::Ellipse { .. } | EdgeCurve::Nurbs(_) => None,
         };
         let Some((carrier, normal)) = found else { return Ok(None) };
@@ -96,7 +96,7 @@ impl Turning<'_> {
     }
 
     /// The carrier, and its normal at the station.
-    fn from_line(&self, direction: &Vector3<f64>) -> Result<Option<(Carrier, Vector3<f64>)>, Error> {
+    fn by_line(&self, direction: &Vector3<f64>) -> Result<Option<(Carrier, Vector3<f64>)>, Error> {
         let [start, end] = self.range.map(|t| self.curve.point(t));
         let middle = self.curve.point(self.station());
         let local = |point: &Vector3<f64>| {
@@ -132,7 +132,7 @@ impl Turning<'_> {
         Ok(Some((Carrier::Cone { frame, radius, half_angle }, normal)))
     }
 
-    fn from_circle(&self, circle: &Frame, radius: f64) -> Result<Option<(Carrier, Vector3<f64>)>, Error> {
+    fn by_circle(&self, circle: &Frame, radius: f64) -> Result<Option<(Carrier, Vector3<f64>)>, Error> {
         let small = SPECIAL * self.size;
         let z = self.frame.z();
         let centre = self.frame.local(&circle.origin());
