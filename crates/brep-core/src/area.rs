@@ -17,15 +17,14 @@ const ALONG: usize = 6;
 /// Places of a span of a B-spline at which the element of area is evaluated.
 const ACROSS: usize = 10;
 
-/// Pieces of a chord on a B-spline, whose element of area has kinks at its knots.
+/// Pieces of a chord on a B-spline between knots, where edges may turn fast.
 const SPLINE_PIECES: usize = 4;
 
 /// Nodes and weights on `[0, 1]` of a rule that is applied to equal pieces.
 fn composite(count: usize, pieces: usize) -> Vec<(f64, f64)> {
     let (rule, n) = (gauss_legendre(count), pieces as f64);
-    (0..pieces)
-        .flat_map(|k| rule.clone().into_iter().map(move |(s, w)| ((k as f64 + s) / n, w / n)))
-        .collect()
+    let piece = |k: usize| rule.iter().map(move |(s, w)| ((k as f64 + s) / n, w / n)).collect::<Vec<_>>();
+    (0..pieces).flat_map(piece).collect()
 }
 
 /// The integral of the element of area along the second parameter.
@@ -85,8 +84,7 @@ impl Part {
             None => 0.0,
         };
         let primitive = Primitive { surface: &f.surface, swap, start, rule: gauss_legendre(ACROSS) };
-        let pieces = if f.surface.spline().is_some() { SPLINE_PIECES } else { 1 };
-        let rule = composite(ALONG, pieces);
+        let rule = composite(ALONG, if f.surface.spline().is_some() { SPLINE_PIECES } else { 1 });
         let sign = if f.same_sense == swap { 1.0 } else { -1.0 };
         let integral: f64 =
             boundary.chords.iter().map(|c| self.chord_integral(f, c, &primitive, &rule)).sum();
@@ -117,7 +115,11 @@ impl Part {
             }
         };
         let (mut sum, mut turned) = (0.0, 0.0);
-        for &(s, weight) in rule {
+        let cuts = self.knot_crossings(f, c);
+        let pieces = cuts
+            .windows(2)
+            .flat_map(|w| rule.iter().map(move |(s, q)| (w[0] + s * (w[1] - w[0]), q * (w[1] - w[0]))));
+        for (s, weight) in pieces {
             let chordwise = c.uv[0] * (1.0 - s) + c.uv[1] * s;
             let Some(owner) = c.owner.filter(|_| c.t[0] != c.t[1]) else {
                 sum += weight * value(&chordwise, &(c.uv[1] - c.uv[0]));
@@ -155,6 +157,44 @@ impl Part {
         let places = [c.uv[0], c.uv[1], (c.uv[0] + c.uv[1]) * 0.5];
         let pole = places.iter().min_by(|a, b| turn_at(a).total_cmp(&turn_at(b)));
         sum + pole.map_or(0.0, |p| primitive.at(p) * (c.uv[1].x - c.uv[0].x - turned))
+    }
+
+    /// Where along a chord the edge crosses knots of a B-spline carrier, at which the element of area has kinks, with both
+    /// ends.
+    fn knot_crossings(&self, f: &Face, c: &Chord) -> Vec<f64> {
+        let mut cuts = vec![0.0];
+        if let (Some(spline), Some(owner)) = (f.surface.spline(), c.owner.filter(|_| c.t[0] != c.t[1])) {
+            let flip = |p: Vector2<f64>| if f.boundary.swap { Vector2::new(p.y, p.x) } else { p };
+            let ends = c.uv.map(flip);
+            let edge = &self.edges[f.boundary.uses[owner].edge];
+            for (i, knots) in spline.surface.breaks().iter().enumerate() {
+                let shifts = f.surface.period[i].map_or(vec![0.0], |period| vec![-period, 0.0, period]);
+                // The ends of the domain are crossed where the surface is closed.
+                let domain = spline.surface.domain()[i];
+                let knots = knots.iter().copied().chain([domain.start(), domain.end()]);
+                let knots = knots.flat_map(|k| shifts.iter().map(move |shift| k + shift));
+                for knot in knots {
+                    if (ends[0][i] < knot) == (ends[1][i] < knot) {
+                        continue;
+                    }
+                    let (mut low, mut high) = (0.0, 1.0);
+                    for _ in 0..40 {
+                        let s = 0.5 * (low + high);
+                        let x = edge.curve.point((1.0 - s) * c.t[0] + s * c.t[1]);
+                        let uv = f.surface.invert(&x, Some(&(ends[0] * (1.0 - s) + ends[1] * s))).at;
+                        if (uv[i] < knot) == (ends[0][i] < knot) {
+                            low = s;
+                        } else {
+                            high = s;
+                        }
+                    }
+                    cuts.push(0.5 * (low + high));
+                }
+            }
+        }
+        cuts.push(1.0);
+        cuts.sort_by(f64::total_cmp);
+        cuts
     }
 
     /// Area of the whole carrier.

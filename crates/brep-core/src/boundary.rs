@@ -309,7 +309,11 @@ impl Boundary {
         let mut odd = false;
         for chord in &self.chords {
             let [a, b] = chord.uv;
-            let margin = chord.margin();
+            let mut margin = chord.margin();
+            for (m, period) in margin.iter_mut().zip(self.period) {
+                // No edge goes further round than a whole turn between the ends of a chord.
+                *m = period.map_or(*m, |period| m.min(period));
+            }
             let shifts = |low: f64, high: f64, at: [f64; 2], period: Option<f64>| match period {
                 Some(period) => ((low - at[1]) / period).ceil()..=((high - at[0]) / period).floor(),
                 None => 0.0..=0.0,

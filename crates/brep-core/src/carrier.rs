@@ -13,6 +13,10 @@ const CLOSED: f64 = 1e-7;
 /// Share of a radius below which a point counts as one on the axis. Edges that end at a pole miss it by as much.
 const ON_AXIS: f64 = 1e-7;
 
+/// Distance from a B-spline surface, as a share of its size, up to which a point next to a known place is not searched for
+/// elsewhere.
+const FOLLOWED: f64 = 1e-6;
+
 /// A point of the parameter plane; at a pole the first parameter means nothing.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Uv {
@@ -26,6 +30,8 @@ pub(crate) struct Surface {
     kind: Kind,
     /// Period of the parameters; a closed B-spline surface has the length of its domain.
     pub(crate) period: [Option<f64>; 2],
+    /// Distance below which a point counts as the apex of a cone.
+    small: f64,
 }
 
 #[derive(Clone, Debug)]
@@ -50,7 +56,8 @@ pub(crate) struct Spline {
 }
 
 impl Surface {
-    pub(crate) fn new(carrier: &Carrier) -> Result<Self, Error> {
+    /// `size` is the size of the part.
+    pub(crate) fn new(carrier: &Carrier, size: f64) -> Result<Self, Error> {
         let (kind, period) = match carrier {
             Carrier::Plane { frame } => (Kind::Plane(*frame), [None, None]),
             Carrier::Cylinder { frame, radius } => {
@@ -90,7 +97,7 @@ impl Surface {
                 (Kind::Spline(Box::new(spline)), period)
             }
         };
-        Ok(Self { kind, period })
+        Ok(Self { kind, period, small: ON_AXIS * size })
     }
 
     /// The B-spline surface, if it is one.
@@ -201,9 +208,7 @@ impl Surface {
                 let sign = if (p.z - apex) * slope < 0.0 { -1.0 } else { 1.0 };
                 let rho = p.x.hypot(p.y);
                 let v = foot_on_generator(sign * rho, p.z, *radius, *slope);
-                let near_apex = rho < ON_AXIS * radius.max(rho)
-                    && (v - apex).abs() < ON_AXIS * apex.abs().max(v.abs())
-                    || (v - apex) * slope * sign <= 0.0;
+                let near_apex = rho.hypot(p.z - apex) <= self.small || (v - apex) * slope * sign <= 0.0;
                 let v = if near_apex { apex } else { v };
                 (Vector2::new((sign * p.y).atan2(sign * p.x), v), near_apex)
             }
@@ -298,7 +303,7 @@ impl Spline {
         let near = hint.map(|hint| self.projector.project_from(x, 0, self.inside([hint.x, hint.y], period)));
         // A foot that is as good as a search would find needs no search.
         let foot = match near {
-            Some(foot) if foot.status.is_converged() && foot.distance <= 1e-9 * size => foot,
+            Some(foot) if foot.status.is_converged() && foot.distance <= FOLLOWED * size => foot,
             near => {
                 let global = self.projector.project(x);
                 match near {

@@ -27,6 +27,22 @@ pub struct ModelDescription {
     pub unread: Vec<Unread>,
 }
 
+impl ModelDescription {
+    /// Keeps only those faces for which `keep` says so; shells that lose one bound no volume any more, curves that bound
+    /// no face go too.
+    pub fn retain_faces(&mut self, mut keep: impl FnMut(&PartDescription, &FaceDescription) -> bool) {
+        for part in &mut self.parts {
+            let kept: Vec<bool> = part.faces.iter().map(|face| keep(part, face)).collect();
+            part.curves.clear();
+            for shell in &mut part.shells {
+                let before = shell.faces.len();
+                shell.faces.retain(|face| kept.get(*face).copied().unwrap_or(true));
+                shell.closed &= shell.faces.len() == before;
+            }
+        }
+    }
+}
+
 /// A unit of length.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LengthUnit {

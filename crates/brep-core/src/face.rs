@@ -40,7 +40,7 @@ impl Face {
             "" => format!("face #{}", description.source),
             name => format!("face #{} \"{name}\"", description.source),
         };
-        let surface = Surface::new(&description.carrier).map_err(|e| Error::of(what(), e))?;
+        let surface = Surface::new(&description.carrier, size).map_err(|e| Error::of(what(), e))?;
         let mut loops = Vec::new();
         let mut points = Vec::new();
         for entry in &description.loops {
@@ -67,6 +67,10 @@ impl Face {
         let boundary = Boundary::trace(&surface, edges, &loops, size, description.same_sense);
         if boundary.chords.iter().any(|c| !c.uv.iter().all(|p| p.iter().all(|x| x.is_finite()))) {
             return Err(Error::of(what(), "its boundary is not finite on its surface"));
+        }
+        let turns: i64 = boundary.windings.iter().map(|w| w[0]).sum();
+        if surface.unbounded() && surface.apex().is_none() && turns.rem_euclid(2) == 1 {
+            return Err(Error::of(what(), "its boundary goes around its surface on one side only"));
         }
         let mut used: Vec<usize> = boundary.uses.iter().map(|u| u.edge).collect();
         used.sort_unstable();

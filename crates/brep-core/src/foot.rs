@@ -40,8 +40,8 @@ pub enum Side {
     Positive,
     /// On the other side.
     Negative,
-    /// Not decided: at a boundary of an open shell, where faces meet whose normals say different things, or on the
-    /// surface itself.
+    /// Not decided: where more than two faces meet in an edge, where normals cancel, where the point lies in the tangent
+    /// plane of the boundary of an open shell, or on the surface itself.
     Undecided,
 }
 

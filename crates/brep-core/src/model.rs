@@ -199,7 +199,7 @@ fn check(placement: &Placement) -> Result<(), String> {
         return Err("its placement is not finite".to_owned());
     }
     let off = (rotation.transpose() * rotation - nalgebra::Matrix3::identity()).amax();
-    if !(off < 1e-9) {
+    if off.is_nan() || off >= 1e-9 {
         return Err("its placement is not a rotation".to_owned());
     }
     Ok(())

@@ -7,6 +7,7 @@ use crate::face::Face;
 use crate::tree::Tree;
 use nalgebra::Vector3;
 use nurbs_core::Aabb;
+use rayon::prelude::*;
 
 /// A part in its own coordinates.
 #[derive(Clone, Debug)]
@@ -25,6 +26,8 @@ pub struct Part {
     pub(crate) items: Vec<Item>,
     /// Diagonal of the box of the part.
     pub(crate) size: f64,
+    /// Index of the first edge that is a curve of its own.
+    pub(crate) first_free: usize,
 }
 
 /// Faces that hang together.
@@ -86,6 +89,7 @@ impl Part {
                 }
             }
         }
+        let first_free = edges.len();
         for curve in &description.curves {
             match add(&curve.curve, curve.range, curve.source, [None, None], &mut vertices) {
                 Ok(edge) => edges.push(edge),
@@ -112,6 +116,7 @@ impl Part {
             tree: Tree::default(),
             items: Vec::new(),
             size,
+            first_free,
         };
         for (index, edge) in part.edges.iter().enumerate() {
             let [a, b] = edge.vertices;
@@ -134,12 +139,22 @@ impl Part {
         for shell in &description.shells {
             let index = self.shells.len();
             let mut closed = shell.closed;
-            for &face in &shell.faces {
-                let face = description.faces.get(face).ok_or_else(|| {
-                    Error::of(format!("shell #{}", shell.source), format!("its face {face} does not exist"))
-                })?;
-                match self.face(face, places, index) {
-                    Ok(face) => self.adopt(face),
+            let faces: Vec<_> = shell
+                .faces
+                .iter()
+                .map(|&face| {
+                    description.faces.get(face).ok_or_else(|| {
+                        Error::of(
+                            format!("shell #{}", shell.source),
+                            format!("its face {face} does not exist"),
+                        )
+                    })
+                })
+                .collect::<Result<_, _>>()?;
+            let built: Vec<_> = faces.par_iter().map(|face| self.face(face, places, index)).collect();
+            for (face, built) in faces.iter().zip(built) {
+                match built {
+                    Ok(built) => self.adopt(built),
                     Err(error) => {
                         left_out.push((face.source, error));
                         // With a face missing it bounds nothing.
@@ -191,7 +206,10 @@ impl Part {
             }
         }
         for (i, edge) in self.edges.iter().enumerate() {
-            // An edge on both sides of which one face lies is no boundary, but it does no harm.
+            // Edges of faces that are left out belong to nothing.
+            if edge.uses.is_empty() && i < self.first_free {
+                continue;
+            }
             self.items.push(Item::Edge(i));
             boxes.push(edge.bounds.inflated(1e-12 * self.size));
         }

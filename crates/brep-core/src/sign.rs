@@ -27,7 +27,9 @@ pub(crate) struct Sides {
 /// The side to which an offset from the foot points.
 pub(crate) fn side(offset: &Vector3<f64>, normal: &Vector3<f64>) -> Side {
     let (along, length) = (offset.dot(normal), offset.norm());
-    if !(along.abs() > UNDECIDED * length) {
+    // NaN is on no side either.
+    let is_decided = along.abs() > UNDECIDED * length;
+    if !is_decided {
         Side::Undecided
     } else if along > 0.0 {
         Side::Positive
@@ -66,7 +68,8 @@ impl Part {
                 offset.dot(&a.1).abs().total_cmp(&offset.dot(&b.1).abs()).then(b.0.cmp(&a.0))
             })
             .map(|n| n.0);
-        let (open, decided) = (e.uses.len() < 2, e.uses.len() == 2);
+        // More than two faces at an edge bound nothing that has an inside.
+        let (open, decided) = (e.uses.len() < 2, matches!(e.uses.len(), 1 | 2));
         let normal = sum.try_normalize(1e-9).unwrap_or_else(Vector3::zeros);
         let side = if decided { side(offset, &normal) } else { Side::Undecided };
         Sides { side, normal, open, face }
@@ -75,11 +78,12 @@ impl Part {
     pub(crate) fn vertex_sides(&self, vertex: usize, edge: usize, offset: &Vector3<f64>) -> Sides {
         let point = self.vertices[vertex];
         let mut sum = Vector3::zeros();
-        let mut open = false;
+        let (mut open, mut broken) = (false, false);
         let mut faces = Vec::new();
         for &e in &self.stars[vertex] {
             // A closed surface has two faces at each edge.
-            open |= self.edges[e].uses.len() != 2;
+            open |= self.edges[e].uses.len() < 2;
+            broken |= self.edges[e].uses.len() > 2;
             for &[face, u] in &self.edges[e].uses {
                 let this = &self.faces[face].boundary.uses[u];
                 let end = self.edges[e].vertices[usize::from(this.forward)];
@@ -95,7 +99,7 @@ impl Part {
                     .or_else(|| uses.iter().find(|n| n.turn == [turn, 0]));
                 let Some(next) = next else { continue };
                 // Vertices at one place that are not shared: the faces around cannot be told.
-                open |= self.edges[next.edge].vertices[usize::from(!next.forward)] != vertex;
+                broken |= self.edges[next.edge].vertices[usize::from(!next.forward)] != vertex;
                 let t = self.edges[e].range[usize::from(this.forward)];
                 let normal = self.normal_at(face, u, t, &point);
                 let back = -self.tangent(e, this.forward, true);
@@ -113,7 +117,7 @@ impl Part {
             .map(|f| f.0)
             .or_else(|| self.edges[edge].uses.first().map(|u| u[0]));
         let normal = sum.try_normalize(1e-9).unwrap_or_else(Vector3::zeros);
-        let side = if open { Side::Undecided } else { side(offset, &normal) };
+        let side = if broken { Side::Undecided } else { side(offset, &normal) };
         Sides { side, normal, open, face }
     }
 

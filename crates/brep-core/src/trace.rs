@@ -139,6 +139,7 @@ pub(crate) fn distance_to(uv: &[Vector2<f64>; 2], p: &Vector2<f64>, scale: &Vect
 }
 
 /// Parameters between which a curve is smooth and turns little.
+#[expect(clippy::cast_possible_truncation, reason = "a few pieces")]
 fn stations(curve: &EdgeCurve, from: f64, to: f64, plane: bool) -> Vec<f64> {
     let (low, high) = (from.min(to), from.max(to));
     let mut breaks = vec![low];

@@ -1,6 +1,6 @@
 //! Descriptions that say things that cannot be.
 
-use crate::shapes::cuboid;
+use crate::shapes::{Builder, cuboid, disc, frame};
 use brep_core::description::{Carrier, EdgeCurve, LoopDescription, ModelDescription};
 use brep_core::{Error, Model};
 use nalgebra::Vector3;
@@ -63,4 +63,15 @@ fn points_that_are_not_finite_have_no_foot() {
         assert!(model.nearest(&Vector3::new(0.0, value, 0.0)).is_none());
     }
     assert!(model.nearest(&Vector3::new(1e150, 0.0, 0.0)).is_some());
+}
+
+#[test]
+fn a_cylinder_needs_two_ends() {
+    let mut b = Builder::default();
+    let low = b.circle(1.0, 0.0, 0.0);
+    b.face(Carrier::Cylinder { frame: frame(0.0, 1.0, 0.0), radius: 1.0 }, true, &[&[(low, true)]]);
+    disc(&mut b, low, 0.0, -1.0);
+    let model = Model::new(&b.description(true)).unwrap();
+    assert_eq!((model.parts()[0].faces().len(), model.unread().len()), (1, 1));
+    assert!(!model.parts()[0].shells()[0].is_closed());
 }

@@ -1,5 +1,7 @@
 //! Behaviour of models against closed forms.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests may panic")]
+
 mod closest;
 mod damage;
 mod shapes;

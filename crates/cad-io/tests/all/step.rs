@@ -30,8 +30,9 @@ fn model(name: &str) -> Model {
 
 #[test]
 fn faces_units_and_numbers() {
+    // Two of the faces of the screw lie on swept surfaces, which become B-splines.
     for (name, placed, splines, tolerance) in
-        [(SCREW, 28, 6, 2.2e-7), (BRACKET, 42, 0, 1e-7), (PLATE, 43, 0, 1e-5)]
+        [(SCREW, 28, 8, 2.2e-7), (BRACKET, 42, 0, 1e-7), (PLATE, 43, 0, 1e-5)]
     {
         let description = read_step_file(&fixture(&format!("{name}.step"))).unwrap();
         let unit = description.unit.as_ref().unwrap();
@@ -71,9 +72,15 @@ fn numbers_name_the_entities_of_the_file() {
                 let own = entity(&text, vertex.source);
                 assert!(own.contains("VERTEX_POINT"), "{own}");
                 // The point behind it has the coordinates that were read.
-                let point = own.rsplit('#').next().unwrap().trim_end_matches(')').parse().unwrap();
+                let point = own
+                    .rsplit('#')
+                    .next()
+                    .unwrap()
+                    .trim_matches(|c: char| !c.is_ascii_digit())
+                    .parse()
+                    .unwrap();
                 let coordinates = entity(&text, point);
-                let list = coordinates.rsplit('(').next().unwrap().trim_end_matches([')', ' ']);
+                let list = coordinates.rsplit('(').next().unwrap().trim_end_matches([')', ' ', '\n', '\r']);
                 let numbers: Vec<f64> = list.split(',').map(|w| w.trim().parse().unwrap()).collect();
                 assert_eq!(vertex.point, Vector3::from_column_slice(&numbers));
             }
