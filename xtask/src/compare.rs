@@ -1,8 +1,10 @@
 //! `cargo xtask compare`: fits of curves by FITPACK (scipy) beside ours, with the same number of control points.
 //!
 //! The script `xtask/compare/fitpack.py` fits the clouds of `fixtures/fit-cases` and measures orthogonal distances; `PYTHON` names the
-//! interpreter, in which scipy must be installed. `cargo xtask compare readers` compares coordinates of files instead.
+//! interpreter, in which scipy must be installed. `cargo xtask compare readers` compares coordinates of files instead, `cargo xtask compare cad`
+//! CAD files.
 
+mod cad;
 mod readers;
 
 use crate::{Failure, workspace};
@@ -20,6 +22,9 @@ const INSTALL: &str =
 pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     if arguments.first().is_some_and(|argument| argument == "readers") && arguments.len() <= 2 {
         return readers::run(arguments.get(1));
+    }
+    if arguments == ["cad"] {
+        return cad::run();
     }
     if let Some(argument) = arguments.first() {
         return Err(Failure::Usage(format!("`{argument}` is not understood")));

@@ -13,6 +13,13 @@ pub enum Place {
     Line(usize),
     /// An entity: `#n` of STEP, directory entry `n` of IGES.
     Entity(u64),
+    /// An entity of IGES, and a line of it.
+    EntityAtLine {
+        /// Number of its directory entry.
+        entity: u64,
+        /// Line of the file, counted from 1.
+        line: usize,
+    },
 }
 
 /// A place in a named file, or in bytes without a name.
@@ -30,9 +37,13 @@ impl fmt::Display for Location {
             (Some(file), Place::Whole) => write!(f, "{}", file.display()),
             (Some(file), Place::Line(line)) => write!(f, "{}:{line}", file.display()),
             (Some(file), Place::Entity(number)) => write!(f, "{}: entity {number}", file.display()),
+            (Some(file), Place::EntityAtLine { entity, line }) => {
+                write!(f, "{}:{line}: entity {entity}", file.display())
+            }
             (None, Place::Whole) => f.write_str("input"),
             (None, Place::Line(line)) => write!(f, "line {line}"),
             (None, Place::Entity(number)) => write!(f, "entity {number}"),
+            (None, Place::EntityAtLine { entity, line }) => write!(f, "line {line}, entity {entity}"),
         }
     }
 }

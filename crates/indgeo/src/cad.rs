@@ -4,6 +4,7 @@ use crate::error::Error;
 use crate::files;
 use industrial_geometry::brep::description::{Carrier, FaceDescription, LengthUnit, ModelDescription};
 use industrial_geometry::brep::{Foot, Model, On};
+use industrial_geometry::cad::{is_iges, read_iges_file};
 use serde_json::{Value, json};
 use std::fs::File;
 use std::io::Read;
@@ -61,7 +62,7 @@ impl Choice {
             (true, None) => return Ok(()),
         };
         let what = format!("{option} is for CAD models, this is none");
-        Err(Error::content(path, what, "leave the option out, or give a STEP file"))
+        Err(Error::content(path, what, "leave the option out, or give a STEP or IGES file"))
     }
 
     /// Takes the choice over into what a file says.
@@ -98,23 +99,27 @@ impl Choice {
     }
 }
 
-/// Whether a file is a STEP file by its content. Standard input is none: it can be read once only.
-fn is_step(path: &Path) -> bool {
+/// The format of a CAD file by its content. Standard input is none: it can be read once only.
+fn recognised(path: &Path) -> Option<&'static str> {
     let mut head = Vec::new();
     let read = !files::is_stream(path)
         && File::open(path).is_ok_and(|file| file.take(HEAD).read_to_end(&mut head).is_ok());
-    let head = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&head).trim_ascii_start();
-    read && head.starts_with(b"ISO-10303-21")
+    let text = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&head).trim_ascii_start();
+    match read {
+        true if text.starts_with(b"ISO-10303-21") => Some("step"),
+        true if is_iges(&head) => Some("iges"),
+        _ => None,
+    }
 }
 
 impl CadModel {
     /// Reads a CAD file; `None` for a file of another kind.
     pub(crate) fn read(path: &Path, choice: &Choice) -> Result<Option<Self>, Error> {
-        if !is_step(path) {
+        let Some(format) = recognised(path) else {
             choice.check_unused(path)?;
             return Ok(None);
-        }
-        let mut description = read_step(path)?;
+        };
+        let mut description = if format == "step" { read_step(path)? } else { read_iges_file(path)? };
         choice.apply(&mut description, path)?;
         let model = Model::new(&description)
             .map_err(|error| Error::content(path, error.to_string(), "export the part again as solids"))?;
@@ -132,7 +137,7 @@ impl CadModel {
         if model.unit().is_none() {
             warnings.push("the file states no unit of length".to_owned());
         }
-        Ok(Some(Self { model: Arc::new(model), format: "step", warnings }))
+        Ok(Some(Self { model: Arc::new(model), format, warnings }))
     }
 
     /// Number of faces of all instances.

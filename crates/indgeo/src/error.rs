@@ -48,6 +48,12 @@ pub(crate) enum Error {
         /// What is wrong.
         source: mesh::Error,
     },
+    /// A CAD file cannot be read.
+    #[error("{source}")]
+    Cad {
+        /// What the reader says.
+        source: cad::Error,
+    },
     /// Several files cannot be read; each says why.
     #[error("{}", errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("\nerror: "))]
     Files {
@@ -68,6 +74,11 @@ impl Error {
     /// A file whose content does not serve.
     pub(crate) fn content(path: &Path, what: impl Into<String>, advice: &'static str) -> Self {
         Self::Content { path: path.to_path_buf(), what: what.into(), advice }
+    }
+
+    /// A CAD file that cannot be read.
+    pub(crate) fn cad(error: cad::Error, path: &Path) -> Self {
+        Self::Cad { source: error.in_file(path) }
     }
 
     /// Options that cannot be used.

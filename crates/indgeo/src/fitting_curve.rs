@@ -1,5 +1,6 @@
 //! The fit of a curve: read, fit, write.
 
+use crate::cad_output::CadArgs;
 use crate::error::Error;
 use crate::evolution;
 use crate::files;
@@ -34,6 +35,8 @@ pub(crate) struct Job<'a> {
     pub(crate) history: Option<&'a Path>,
     /// File of the drawing.
     pub(crate) evolution: Option<&'a Path>,
+    /// Name and unit of the result.
+    pub(crate) cad: &'a CadArgs,
     /// Options of the library.
     pub(crate) options: CurveOptions,
     /// Whether nobody wants to watch.
@@ -161,7 +164,7 @@ where
 {
     if let Some(path) = job.out {
         let content = format!("B-spline curve with {}", counted(found.report.controls, "control point"));
-        put_model(path, found.curve.clone(), content, report)?;
+        put_model(path, found.curve.clone(), job.cad, content, report)?;
     }
     if let Some(path) = job.feet {
         put(path, &feet(points, &found.feet), "footpoints", report)?;
@@ -175,7 +178,7 @@ where
             model.push(curve.clone(), Some(format!("step {k}")));
         }
         model.push(found.curve.clone(), Some("result".to_owned()));
-        put_model(path, model, counted(found.evolution.len() + 1, "curve"), report)?;
+        put_model(path, model, &CadArgs::default(), counted(found.evolution.len() + 1, "curve"), report)?;
     } else if let Some(path) = job.evolution {
         put(path, &evolution::drawing(points, &found.evolution, &found.curve), "drawing", report)?;
     }

@@ -1,5 +1,6 @@
 //! What fits have in common besides the fit: paths, points, starts, results.
 
+use crate::cad_output::{self, CadArgs, CadFormat};
 use crate::error::Error;
 use crate::files;
 use crate::report::{Input, Output, Report, Timings};
@@ -145,14 +146,26 @@ pub(crate) fn warn_incomplete(coverage: Option<&SurfaceCoverage>, report: &mut R
     true
 }
 
-/// Writes a curve or surface.
+/// Writes a curve or surface: as STEP or IGES where the extension says so, else as NURBS JSON.
 pub(crate) fn put_model(
     path: &Path,
     shape: impl Into<Model>,
+    cad: &CadArgs,
     content: String,
     report: &mut Report,
 ) -> Result<(), Error> {
     let model = shape.into();
+    if let Some(format) = CadFormat::of(path) {
+        let described = cad.describe(&model, path)?;
+        let mut warnings = Vec::new();
+        let bytes = Timings::measure(&mut report.timings.write, || {
+            cad_output::write(path, format, described, &mut warnings)
+        })?;
+        report.warnings.extend(warnings.iter().map(|warning| format!("{}: {warning}", path.display())));
+        report.add_output(Output { path: path.to_path_buf(), bytes, content });
+        return Ok(());
+    }
+    let model = cad.named(model);
     let written = Timings::measure(&mut report.timings.write, || {
         files::write_content(path, &Content::Nurbs(model), &WriteOptions::default())
     })?;

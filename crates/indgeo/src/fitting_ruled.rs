@@ -1,5 +1,6 @@
 //! The fit of a ruled surface: read, move, fit, write.
 
+use crate::cad_output::CadArgs;
 use crate::error::Error;
 use crate::fit_numbers::{FitNumbers, FitVerdict, Within, told};
 use crate::fitting_input::{
@@ -30,6 +31,8 @@ pub(crate) struct Job<'a> {
     pub(crate) out: Option<&'a Path>,
     /// Distance of the offset that is fitted.
     pub(crate) offset: Option<f64>,
+    /// Name and unit of the result.
+    pub(crate) cad: &'a CadArgs,
     /// Options of the library.
     pub(crate) options: RuledCloudOptions,
     /// Whether nobody wants to watch.
@@ -95,7 +98,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Erro
     if let Some(path) = job.out {
         let [along, sections] = fitted.controls;
         let content = format!("ruled B-spline surface, {sections} sections of {along} control points");
-        put_model(path, found.fit.surface, content, report)?;
+        put_model(path, found.fit.surface, job.cad, content, report)?;
     }
     let within = Within {
         tolerance: job.options.abs_tolerance,

@@ -1,6 +1,7 @@
 //! The fit of a surface: read, fit, write.
 
 use crate::between_vertices::between_vertices;
+use crate::cad_output::CadArgs;
 use crate::error::Error;
 use crate::fit_numbers::{FitNumbers, FitVerdict, Within, told};
 use crate::fitting_input::{
@@ -30,6 +31,8 @@ pub(crate) struct Job<'a> {
     pub(crate) controls: Option<[usize; 2]>,
     /// File of the surface.
     pub(crate) out: Option<&'a Path>,
+    /// Name and unit of the result.
+    pub(crate) cad: &'a CadArgs,
     /// Options of the library.
     pub(crate) options: SurfaceOptions,
     /// Whether nobody wants to watch.
@@ -115,7 +118,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Erro
     }
     if let Some(path) = job.out {
         let content = format!("B-spline surface, {} × {}", fitted.controls[0], fitted.controls[1]);
-        put_model(path, surface.clone(), content, report)?;
+        put_model(path, surface.clone(), job.cad, content, report)?;
     }
     let judgement = match &from {
         Some(start) => start.judgement(),

@@ -6,6 +6,8 @@ mod alignment_summary;
 mod args;
 mod between_vertices;
 mod cad;
+mod cad_conversion;
+mod cad_output;
 mod commands;
 mod datum_file;
 mod demo;

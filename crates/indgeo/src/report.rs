@@ -144,6 +144,20 @@ impl Input {
         read.points_used = used.min(read.points_read - read.points_dropped);
     }
 
+    /// The input at `path` that holds only shapes.
+    pub(crate) fn of_shapes(role: &'static str, path: &Path, format: &str, shapes: usize) -> Self {
+        let read = ReadSummary {
+            format: format.to_owned(),
+            points_read: 0,
+            points_dropped: 0,
+            points_used: 0,
+            non_finite: 0,
+            triangles: 0,
+            shapes,
+        };
+        Self { role, path: path.to_path_buf(), read }
+    }
+
     /// The input at `path`, read with this report.
     pub(crate) fn new(role: &'static str, path: &Path, report: &ReadReport) -> Self {
         let read = ReadSummary {

@@ -56,6 +56,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "mesh-core",
             "footpoint",
             "pc-io",
+            "cad-io",
             "distance-field",
             "sdm-fit",
             "cloud-param",

@@ -1,6 +1,8 @@
 //! `indgeo convert`: the same points, triangles or shapes in another format.
 
 use super::Outcome;
+use crate::cad_conversion;
+use crate::cad_output::{self, CadArgs, CadFormat};
 use crate::error::Error;
 use crate::files;
 use crate::report::{Input, Output, Report, Results, Timings};
@@ -12,19 +14,20 @@ use industrial_geometry::io::{
 use serde::Serialize;
 use std::path::PathBuf;
 
-/// Write points, triangles or NURBS in another format
+/// Write points, triangles, NURBS or CAD models in another format
 ///
 /// Normals, colours, intensity, names and other values per point are kept where the format can hold them; what it cannot
-/// hold is told. Surfaces become triangles, and curves polylines, where OUTPUT is no NURBS file.
+/// hold is told. Surfaces become triangles, and curves polylines, where OUTPUT is no NURBS or CAD file. CAD models (STEP, IGES) become
+/// CAD models: faces with their loops, free curves, names and the unit are kept.
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = AFTER_HELP)]
 pub(crate) struct Args {
     /// File to read, its format recognised by content first; `-` is standard input
     pub(crate) input: PathBuf,
-    /// File to write: .ply, .xyz, .csv, .pts, .obj, .stl, .off, .pcd, or .json for NURBS; curves also .svg and .dxf; `-` is standard
+    /// File to write: .ply, .xyz, .csv, .pts, .obj, .stl, .off, .pcd, or .json, .step and .igs for NURBS; curves also .svg and .dxf; `-` is standard
     /// output (CSV, OBJ for triangles, JSON for NURBS)
     pub(crate) output: PathBuf,
-    /// Format of OUTPUT, whatever its extension: ply, xyz, csv, pts, obj, stl, off, pcd or json, for curves svg or dxf as well
+    /// Format of OUTPUT, whatever its extension: ply, xyz, csv, pts, obj, stl, off, pcd, json, step or igs, for curves svg or dxf as well
     #[arg(long, value_name = "FORMAT", value_parser = parse_form)]
     format: Option<Form>,
     /// Largest distance between a curve or surface and its chords or triangles [default: a thousandth of the diagonal of the model]
@@ -39,6 +42,8 @@ pub(crate) struct Args {
     /// Write PLY as text instead of binary
     #[arg(long)]
     ascii: bool,
+    #[command(flatten)]
+    cad: CadArgs,
 }
 
 const AFTER_HELP: &str = "\
@@ -52,6 +57,8 @@ Examples:
   indgeo convert part.stl part.off
   indgeo convert surface.json surface.stl --chord 0.01
   indgeo convert section.json section.dxf
+  indgeo convert surface.json surface.step --unit mm --name blade-3
+  indgeo convert part.igs part.step
   gzip -dc scan.ply.gz | indgeo convert - - --format xyz | head";
 
 /// What was written.
@@ -78,16 +85,20 @@ enum Form {
     Content(Format),
     /// Of polylines only.
     Polylines(PolylineFormat),
+    /// Of CAD models.
+    Cad(CadFormat),
 }
 
 fn form_of(extension: &str) -> Option<Form> {
     let content = Format::from_extension(extension).map(Form::Content);
-    content.or_else(|| PolylineFormat::from_extension(extension).map(Form::Polylines))
+    let polylines = || PolylineFormat::from_extension(extension).map(Form::Polylines);
+    content.or_else(polylines).or_else(|| CadFormat::from_extension(extension).map(Form::Cad))
 }
 
 fn parse_form(text: &str) -> Result<Form, String> {
     form_of(text).ok_or_else(|| {
-        "choose ply, xyz, csv, pts, obj, stl, off, pcd or json, for curves svg or dxf as well".to_owned()
+        "choose ply, xyz, csv, pts, obj, stl, off, pcd, json, step or igs, for curves svg or dxf as well"
+            .to_owned()
     })
 }
 
@@ -107,6 +118,7 @@ impl Converted {
 }
 
 /// How writing went.
+#[derive(Default)]
 struct Written {
     format: &'static str,
     points: usize,
@@ -178,6 +190,21 @@ impl Args {
         }
     }
 
+    /// Writes curves and surfaces as a CAD model.
+    fn write_cad(&self, content: &Content, format: CadFormat) -> Result<Written, Error> {
+        let Content::Nurbs(model) = content else {
+            let what =
+                format!("a CAD file holds surfaces and curves, the input holds {}", content.describe());
+            let advice = "fit a surface first (`indgeo fit-surface`), or choose ply, obj or stl for OUTPUT";
+            return Err(Error::content(&self.input, what, advice));
+        };
+        let described = self.cad.describe(model, &self.output)?;
+        let mut warnings = Vec::new();
+        let bytes = cad_output::write(&self.output, format, described, &mut warnings)?;
+        let shapes = model.shapes().len();
+        Ok(Written { format: format.extension(), shapes, bytes, warnings, ..Written::default() })
+    }
+
     fn write(&self, content: &Converted) -> Result<Written, Error> {
         match content {
             Converted::Content(content) => {
@@ -191,6 +218,7 @@ impl Args {
                             "choose ply, xyz, csv, pts, obj, stl, off or pcd",
                         ));
                     }
+                    Some(Form::Cad(format)) => return self.write_cad(content, format),
                     None => None,
                 };
                 let options = WriteOptions { format, ascii: self.ascii };
@@ -220,14 +248,32 @@ fn is_flat(polylines: &[Vec<[f64; 3]>]) -> bool {
 /// Runs the command.
 pub(crate) fn run(args: &Args, report: &mut Report) -> Result<Outcome, Error> {
     files::check_writable(&args.output, &[&args.input])?;
+    let form = args.form();
+    let cad_format = match form {
+        Some(Form::Cad(format)) => Some(format),
+        _ => None,
+    };
+    args.cad.check_format(cad_format.is_some())?;
+    if args.cad.name.is_some() && cad_format.is_none() {
+        let what = "--name has no effect: only STEP and IGES files take another name";
+        return Err(Error::usage(what, "leave it out, or call OUTPUT .step or .igs"));
+    }
     let mut timings = Timings::default();
     let options = ReadOptions::default()
         .with_drop_non_finite(args.drop_non_finite)
         .with_decimal_comma(args.decimal_comma);
-    let loaded = Timings::measure(&mut timings.read, || files::read(&args.input, &options))?;
+    let loaded = if cad_conversion::is_read_as_bytes(&args.input) {
+        let bytes = Timings::measure(&mut timings.read, || files::read_bytes(&args.input))?;
+        if cad_conversion::is_cad(&bytes) {
+            report.timings = timings;
+            return cad_conversion::run(&args.input, &bytes, &args.output, cad_format, &args.cad, report);
+        }
+        Timings::measure(&mut timings.read, || files::read_from_bytes(&bytes, &args.input, &options))?
+    } else {
+        Timings::measure(&mut timings.read, || files::read(&args.input, &options))?
+    };
     report.add_input(Input::new("file", &args.input, &loaded.report));
-    let form = args.form();
-    let is_model = matches!(form, Some(Form::Content(Format::Json)))
+    let is_model = matches!(form, Some(Form::Content(Format::Json) | Form::Cad(_)))
         || (form.is_none() && files::is_stream(&args.output));
     let (content, chord) = match loaded.content {
         Content::Nurbs(model) if !is_model => {

@@ -4,6 +4,7 @@ use super::Outcome;
 use super::fit_loop::LoopArgs;
 use super::numbers;
 use crate::args::Common;
+use crate::cad_output::CadArgs;
 use crate::error::Error;
 use crate::fitting_curve::{self, Job};
 use crate::report::Report;
@@ -22,8 +23,8 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Args {
     /// The points: any cloud of two or three columns; a third column of zeros counts as none; `-` is standard input
     points: PathBuf,
-    /// The curve (NURBS JSON); `-` is standard output
-    #[arg(long, short, value_name = "OUT.json")]
+    /// The curve: STEP (.step, .stp), IGES (.igs, .iges), else NURBS JSON; `-` is standard output (JSON)
+    #[arg(long, short, value_name = "OUT")]
     out: Option<PathBuf>,
     /// Largest distance of a point that is wanted, in the units of the file
     #[arg(long, value_name = "T", conflicts_with = "controls", value_parser = numbers::length)]
@@ -69,6 +70,8 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FILE")]
     evolution: Option<PathBuf>,
     #[command(flatten)]
+    cad: CadArgs,
+    #[command(flatten)]
     iteration: LoopArgs,
 }
 
@@ -81,7 +84,7 @@ Exit status 0: the tolerance holds, or, without one, the iteration converged; 1:
 (files are written nevertheless); 2: bad input or usage; 130: interrupted.
 
 Examples:
-  indgeo fit-curve section.xyz -o section.json
+  indgeo fit-curve section.xyz -o section.step --unit mm
   indgeo fit-curve section.xyz -o section.json --tolerance 0.05 --points-out deviations.csv
   indgeo fit-curve cloud.xyz -o curve.json --control-points 24 --open --evolution evolution.svg
   indgeo fit-curve outline.xyz --init circle.json --search -o curve.json --evolution growth.json
@@ -112,11 +115,13 @@ impl Args {
 /// Runs the command.
 pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<Outcome, Error> {
     let (_, written) = args.files();
-    super::something_written(!written.is_empty(), common, "-o OUT.json")?;
+    super::something_written(!written.is_empty(), common, "-o OUT")?;
+    args.cad.check(args.out.as_deref())?;
     let job = Job {
         points: &args.points,
         init: args.init.as_deref(),
         out: args.out.as_deref(),
+        cad: &args.cad,
         feet: args.points_out.as_deref(),
         history: args.report.as_deref(),
         evolution: args.evolution.as_deref(),

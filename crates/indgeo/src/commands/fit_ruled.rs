@@ -4,6 +4,7 @@ use super::fit_loop::LoopArgs;
 use super::fit_surface::parse_pair;
 use super::{Outcome, numbers, parse_triple};
 use crate::args::Common;
+use crate::cad_output::CadArgs;
 use crate::error::Error;
 use crate::fitting_ruled::{self, Job};
 use crate::report::Report;
@@ -24,7 +25,7 @@ pub(crate) struct Args {
     /// A cloud, a mesh, whose vertices are taken, or NURBS surfaces (JSON), on which points are sampled; `-` is standard input
     points: PathBuf,
     /// The surface, of degree 1 in v (NURBS JSON); `-` is standard output
-    #[arg(long, short, value_name = "OUT.json")]
+    #[arg(long, short, value_name = "OUT")]
     out: Option<PathBuf>,
     /// Largest distance of a point that is wanted, in the units of the file
     #[arg(long, value_name = "T", value_parser = numbers::length)]
@@ -75,6 +76,8 @@ pub(crate) struct Args {
     #[arg(long, value_name = "LENGTH", default_value_t = 0.0, value_parser = numbers::not_negative)]
     developable: f64,
     #[command(flatten)]
+    cad: CadArgs,
+    #[command(flatten)]
     iteration: LoopArgs,
 }
 
@@ -115,7 +118,7 @@ nevertheless); 2: bad input or usage; 130: interrupted.
 Examples:
   indgeo fit-ruled blade.ply -o flank.json --control-points 20x2
   indgeo fit-ruled vase.xyz -o layers.json --control-points 25x7 --level
-  indgeo fit-ruled vase.xyz -o layers.json --tolerance 0.1 --level=0,0,1
+  indgeo fit-ruled vase.xyz -o layers.step --tolerance 0.1 --level=0,0,1 --unit mm
   indgeo fit-ruled surface.json -o axis.json --control-points 25x7 --offset 5
   indgeo inspect layers.json vase.xyz --tolerance 0.1 --report report.html";
 
@@ -156,11 +159,13 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         points: &args.points,
         init: args.init.as_deref(),
         out: args.out.as_deref(),
+        cad: &args.cad,
         offset: args.offset,
         options: args.options(),
         quiet: common.quiet,
     };
-    super::something_written(args.out.is_some(), common, "-o OUT.json")?;
+    super::something_written(args.out.is_some(), common, "-o OUT")?;
+    args.cad.check(args.out.as_deref())?;
     let verdict = fitting_ruled::run(&job, report)?;
     Ok(Outcome::fitted(summary::of(report), verdict))
 }

@@ -4,6 +4,7 @@ use super::Outcome;
 use super::fit_loop::LoopArgs;
 use super::numbers;
 use crate::args::Common;
+use crate::cad_output::CadArgs;
 use crate::error::Error;
 use crate::fitting_surface::{self, Job};
 use crate::report::Report;
@@ -22,8 +23,8 @@ pub(crate) struct Args {
     /// The points: any cloud, or a mesh, whose vertices are taken, and points on its triangles where it was thinned out; `-` is
     /// standard input
     points: PathBuf,
-    /// The surface (NURBS JSON); `-` is standard output
-    #[arg(long, short, value_name = "OUT.json")]
+    /// The surface: STEP (.step, .stp), IGES (.igs, .iges), else NURBS JSON; `-` is standard output (JSON)
+    #[arg(long, short, value_name = "OUT")]
     out: Option<PathBuf>,
     /// Largest distance of a point that is wanted, in the units of the file
     #[arg(long, value_name = "T", value_parser = numbers::length)]
@@ -60,6 +61,8 @@ pub(crate) struct Args {
     #[arg(long, conflicts_with = "fixed_boundary")]
     rational: bool,
     #[command(flatten)]
+    cad: CadArgs,
+    #[command(flatten)]
     iteration: LoopArgs,
 }
 
@@ -92,7 +95,7 @@ written nevertheless); 2: bad input or usage, as points that are not of the kind
 interrupted.
 
 Examples:
-  indgeo fit-surface scan.ply -o surface.json --tolerance 0.05
+  indgeo fit-surface scan.ply -o surface.step --tolerance 0.05 --unit mm --name blade-3
   indgeo fit-surface tube.xyz -o tube.json --control-points 30x30 --shape cylinder
   indgeo fit-surface scan.ply -o better.json --init rough.json --outliers automatic
   indgeo inspect surface.json scan.ply --tolerance 0.05 --report report.html";
@@ -139,12 +142,14 @@ impl Args {
 
 /// Runs the command.
 pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<Outcome, Error> {
-    super::something_written(args.out.is_some(), common, "-o OUT.json")?;
+    super::something_written(args.out.is_some(), common, "-o OUT")?;
+    args.cad.check(args.out.as_deref())?;
     let job = Job {
         points: &args.points,
         init: args.init.as_deref(),
         controls: args.controls,
         out: args.out.as_deref(),
+        cad: &args.cad,
         options: args.options(),
         quiet: common.quiet,
     };

@@ -6,6 +6,7 @@ mod align;
 mod browser;
 #[cfg(feature = "step")]
 mod cad;
+mod cad_output;
 mod common;
 mod degenerate;
 mod demo;
