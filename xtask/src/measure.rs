@@ -110,6 +110,18 @@ const MEASUREMENTS: &[Measurement] = &[
         one_thread: true,
     },
     Measurement {
+        name: "two-sided",
+        title: "Fits of curves judged from both sides",
+        about: "Waves, roses, limacons, spirals, outlines with corners, two outlines: random points in no order, noise of 0 to 1 % of the \
+                diagonal, 0 to 5 % outliers, 150 to 20,000 points, by code that shares nothing with the fit. Wanted: curve and truth within \
+                three spacings or standard deviations of each other everywhere in 99 % of the runs; no run that claims what is not so.",
+        package: "sdm-fit",
+        features: "",
+        example: "two_sided_curves",
+        arguments: &["3", "20000"],
+        one_thread: false,
+    },
+    Measurement {
         name: "primitives",
         title: "Primitives against a minimiser with many starts",
         about: "Pieces of 10 to 360 degrees in both directions, noise up to a hundredth of the radius, up to 45 % outliers, clouds that \

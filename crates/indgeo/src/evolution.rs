@@ -12,24 +12,24 @@ const SAMPLES: usize = 400;
 const DATA: usize = 5000;
 const CURVES: usize = 40;
 
-/// The data, the curve in the course of the iteration from light to dark, and the result.
+/// The data, the curve in the course of the iteration from light to dark, and the results.
 pub(crate) fn drawing<const D: usize>(
     points: &[SVector<f64, D>],
     evolution: &[BsplineCurve<D>],
-    result: &BsplineCurve<D>,
+    results: &[&BsplineCurve<D>],
 ) -> String {
     let sample = |curve: &BsplineCurve<D>| -> Vec<[f64; 2]> {
         let at = |k: usize| curve.point(curve.domain().lerp(k as f64 / SAMPLES as f64));
         (0..=SAMPLES).map(at).map(|p| [p[0], p[1]]).collect()
     };
-    let last = sample(result);
+    let last: Vec<_> = results.iter().map(|curve| sample(curve)).collect();
     let finite = points.iter().map(|p| [p[0], p[1]]).filter(|p| p.iter().all(|c| c.is_finite()));
     let data: Vec<[f64; 2]> = finite.collect();
     let data: Vec<_> = data.iter().step_by(data.len().div_ceil(DATA).max(1)).copied().collect();
     let curves: Vec<_> =
         evolution.iter().step_by(evolution.len().div_ceil(CURVES).max(1)).map(sample).collect();
     let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-    for p in data.iter().chain(&last).chain(curves.iter().flatten()) {
+    for p in data.iter().chain(last.iter().flatten()).chain(curves.iter().flatten()) {
         for c in 0..2 {
             (low[c], high[c]) = (low[c].min(p[c]), high[c].max(p[c]));
         }
@@ -49,6 +49,8 @@ pub(crate) fn drawing<const D: usize>(
         let colour = format!("hsl(215, 70%, {:.0}%)", 85.0 - 40.0 * share);
         svg.polyline(&placed(curve), &colour, 0.8);
     }
-    svg.polyline(&placed(&last), "#c00000", 2.0);
+    for curve in &last {
+        svg.polyline(&placed(curve), "#c00000", 2.0);
+    }
     svg.finish()
 }

@@ -9,10 +9,12 @@ use crate::fitting_input::{check_paths, put_model, warn_dropped};
 use crate::progress::Progress;
 use crate::report::{Input, Output, Report, Results, Timings};
 use crate::wording::counted;
+use industrial_geometry::distance_field::ErrorTerm;
 use industrial_geometry::fit::curve::{
-    CurveFit, CurveOptions, CurveReport, PointFoot, fit_curve_with_progress,
+    CurveFit, CurveOptions, CurvePart, CurveReport, PointFoot, fit_curve_with_progress,
+    fit_curves_with_progress,
 };
-use industrial_geometry::fit::{Error as FitError, StepRecord};
+use industrial_geometry::fit::{Error as FitError, StepControl, StepRecord};
 use industrial_geometry::io::{Content, Model, ReadOptions, Shape};
 use industrial_geometry::nurbs::BsplineCurve;
 use industrial_geometry::nurbs::nalgebra::{SVector, Vector3};
@@ -46,9 +48,11 @@ pub(crate) struct Job<'a> {
 /// What a fit of a curve found.
 #[derive(Debug, Serialize)]
 pub(crate) struct CurveResults {
-    /// What the library reports.
+    /// What the library reports; of several curves together.
     #[serde(flatten)]
     pub(crate) fitted: CurveReport,
+    /// Of each curve, if there are several.
+    pub(crate) parts: Vec<CurveReport>,
 }
 
 /// A curve to start from.
@@ -128,59 +132,107 @@ where
     let progress = Progress::iterations("fitting", job.quiet);
     let most = job.options.fit.max_iterations;
     let tell = |step: &StepRecord| told(&progress, step, most);
-    let found = Timings::measure(&mut report.timings.compute, || {
-        fit_curve_with_progress(points, start.as_ref(), &job.options, &tell)
+    let found = Timings::measure(&mut report.timings.compute, || match &start {
+        Some(start) => fit_curve_with_progress(points, Some(start), &job.options, &tell)
+            .map(|fit| vec![CurvePart { points: (0..points.len()).collect(), fit }]),
+        None => fit_curves_with_progress(points, &job.options, &tell),
     });
     drop(progress);
     let found = found.map_err(|error| refused(job, &error))?;
-    warn(job, &found, report);
-    write(job, points, &found, report)?;
-    let fitted = found.report;
+    let reports: Vec<CurveReport> = found.iter().map(|part| part.fit.report.clone()).collect();
+    let fitted = CurveReport::together(&reports);
+    warn(job, &fitted, &reports, report);
+    write(job, points, &found, &fitted, report)?;
     report.count_points("points", fitted.dropped, fitted.used);
-    let verdict = FitVerdict::of(fitted.status, fitted.reached);
-    report.results = Some(Results::Curve(Box::new(CurveResults { fitted })));
+    let verdict = FitVerdict::of(fitted.status, fitted.reached).without(!fitted.covered);
+    let parts = if reports.len() > 1 { reports } else { Vec::new() };
+    report.results = Some(Results::Curve(Box::new(CurveResults { fitted, parts })));
     Ok(verdict)
 }
 
-fn warn<const D: usize>(job: &Job<'_>, found: &CurveFit<D>, report: &mut Report) {
-    let fitted = &found.report;
+fn warn(job: &Job<'_>, fitted: &CurveReport, reports: &[CurveReport], report: &mut Report) {
     warn_dropped(job.points, fitted.dropped, fitted.points, report);
-    if !fitted.crossings.is_empty() {
+    let literal = job.options.fit.term == ErrorTerm::Taylor && job.options.fit.control == StepControl::None;
+    if literal && fitted.steps_lifted > 0 {
         report.warnings.push(format!(
-            "the curve crosses itself {}; take fewer control points or a larger --smoothing",
-            counted(fitted.crossings.len(), "time")
+            "the system of {} was not positive definite and was lifted: these are no literal Newton steps; start nearer to the points \
+             (--init), or take another --term or --step-control",
+            counted(fitted.steps_lifted, "step")
         ));
+    }
+    for (k, one) in reports.iter().enumerate() {
+        let which = if reports.len() > 1 { format!("curve {k} (from 0): ") } else { String::new() };
+        if let Some(fault) = one.fault() {
+            report.warnings.push(format!("{which}{fault}; {}", advice(one)));
+        }
+        if !one.crossings.is_empty() {
+            report.warnings.push(format!(
+                "{which}the curve crosses itself {}; if the points do not, take fewer control points or a larger --smoothing",
+                counted(one.crossings.len(), "time")
+            ));
+        }
+    }
+}
+
+/// What can be done about a curve that does not stay with its points.
+fn advice(report: &CurveReport) -> &'static str {
+    let coverage = &report.coverage;
+    if coverage.spread_out {
+        "take points of a section or an outline"
+    } else if !coverage.is_complete() {
+        "add points there, split the file, or say with --max-gap how wide a gap may be"
+    } else if coverage.points_far * 10 < report.points {
+        "leave out points that do not belong to it (--outliers automatic), or allow more control points"
+    } else {
+        "allow more control points, give a start (--init), or search for it (--search)"
     }
 }
 
 fn write<const D: usize>(
     job: &Job<'_>,
     points: &[SVector<f64, D>],
-    found: &CurveFit<D>,
+    found: &[CurvePart<D>],
+    fitted: &CurveReport,
     report: &mut Report,
 ) -> Result<(), Error>
 where
     BsplineCurve<D>: Into<Shape>,
 {
     if let Some(path) = job.out {
-        let content = format!("B-spline curve with {}", counted(found.report.controls, "control point"));
-        put_model(path, found.curve.clone(), job.cad, content, report)?;
+        let count = counted(fitted.controls, "control point");
+        if let [part] = found {
+            let content = format!("B-spline curve with {count}");
+            put_model(path, part.fit.curve.clone(), job.cad, content, report)?;
+        } else {
+            let mut model = Model::default();
+            for (k, part) in found.iter().enumerate() {
+                model.push(part.fit.curve.clone(), Some(format!("curve {k}")));
+            }
+            put_model(path, model, job.cad, format!("{} B-spline curves with {count}", found.len()), report)?;
+        }
     }
     if let Some(path) = job.feet {
-        put(path, &feet(points, &found.feet), "footpoints", report)?;
+        put(path, &feet(points, found), "footpoints", report)?;
     }
     if let Some(path) = job.history {
-        put(path, &history(&found.report.history), "history", report)?;
+        put(path, &history(&fitted.history), "history", report)?;
     }
+    let fits: Vec<&CurveFit<D>> = found.iter().map(|part| &part.fit).collect();
     if let Some(path) = job.evolution.filter(|path| files::extension(path) == "json") {
         let mut model = Model::default();
-        for (k, curve) in found.evolution.iter().enumerate() {
-            model.push(curve.clone(), Some(format!("step {k}")));
+        let mut steps = 0;
+        for fit in &fits {
+            for curve in &fit.evolution {
+                model.push(curve.clone(), Some(format!("step {steps}")));
+                steps += 1;
+            }
+            model.push(fit.curve.clone(), Some("result".to_owned()));
         }
-        model.push(found.curve.clone(), Some("result".to_owned()));
-        put_model(path, model, &CadArgs::default(), counted(found.evolution.len() + 1, "curve"), report)?;
+        put_model(path, model, &CadArgs::default(), counted(steps + fits.len(), "curve"), report)?;
     } else if let Some(path) = job.evolution {
-        put(path, &evolution::drawing(points, &found.evolution, &found.curve), "drawing", report)?;
+        let steps: Vec<BsplineCurve<D>> = fits.iter().flat_map(|fit| fit.evolution.iter().cloned()).collect();
+        let results: Vec<&BsplineCurve<D>> = fits.iter().map(|fit| &fit.curve).collect();
+        put(path, &evolution::drawing(points, &steps, &results), "drawing", report)?;
     }
     Ok(())
 }
@@ -194,14 +246,24 @@ fn put(path: &Path, text: &str, content: &str, report: &mut Report) -> Result<()
 }
 
 /// One line per point; empty cells where there is no foot.
-fn feet<const D: usize>(points: &[SVector<f64, D>], feet: &[PointFoot<D>]) -> String {
+fn feet<const D: usize>(points: &[SVector<f64, D>], found: &[CurvePart<D>]) -> String {
+    let mut feet: Vec<Option<(PointFoot<D>, usize)>> = vec![None; points.len()];
+    for (k, part) in found.iter().enumerate() {
+        for (&i, foot) in part.points.iter().zip(&part.fit.feet) {
+            feet[i] = Some((*foot, k));
+        }
+    }
+    let several = found.len() > 1;
     let axes = &["x", "y", "z"][..D.min(3)];
     let header = axes.iter().map(|a| (*a).to_owned()).chain(axes.iter().map(|a| format!("foot_{a}")));
-    let mut text = header.chain(["distance".to_owned(), "t".to_owned()]).collect::<Vec<_>>().join(",");
+    let last = ["distance", "t"].into_iter().chain(several.then_some("curve"));
+    let mut text = header.chain(last.map(str::to_owned)).collect::<Vec<_>>().join(",");
     text.push('\n');
     for (point, foot) in points.iter().zip(feet) {
+        let nothing = PointFoot { parameter: f64::NAN, foot: SVector::repeat(f64::NAN), distance: f64::NAN };
+        let (foot, curve) = foot.unwrap_or((nothing, 0));
         let cells = point.iter().chain(foot.foot.iter()).chain([&foot.distance, &foot.parameter]);
-        line(&mut text, cells.copied());
+        line(&mut text, cells.copied().chain(several.then_some(curve as f64)));
     }
     text
 }
@@ -243,6 +305,11 @@ fn refused(job: &Job<'_>, error: &FitError) -> Error {
         FitError::Option { name, value, allowed } => {
             Error::option(name, *value, allowed, "see `indgeo fit-curve --help`")
         }
+        FitError::SeveralParts { .. } => Error::content(
+            job.points,
+            error.to_string(),
+            "split the file, or say with --max-gap, --closed or --open that they are one",
+        ),
         FitError::TooFewPoints { .. } => Error::content(
             job.points,
             error.to_string(),

@@ -12,7 +12,7 @@ use crate::report::{ProjectionResults, Report, Results};
 use crate::views_report::ViewsResults;
 use crate::wording::counted;
 use industrial_geometry::fit::curve::CurveReport;
-use industrial_geometry::fit::{Folds, SurfaceCoverage};
+use industrial_geometry::fit::{CurveCoverage, Folds, SurfaceCoverage};
 use industrial_geometry::inspection::{
     Inspection, Outcome, Rounding, Tolerance, percent, percent_in_full, percent_of_share,
 };
@@ -29,7 +29,7 @@ pub(crate) fn of(report: &Report) -> String {
         Some(Results::Alignment(found)) => alignment_summary::write(&mut text, report, found),
         Some(Results::Parameters(found)) => write_parameters(&mut text, report, found),
         Some(Results::Views(found)) => write_views(&mut text, report, found),
-        Some(Results::Curve(found)) => write_curve(&mut text, report, &found.fitted),
+        Some(Results::Curve(found)) => write_curve(&mut text, report, &found.fitted, found.parts.len()),
         Some(Results::Surface(found)) => write_surface(&mut text, report, found),
         Some(Results::Ruled(found)) => write_ruled(&mut text, report, found),
         Some(Results::Subdivision(found)) => write_subdivision(&mut text, report, found),
@@ -214,11 +214,12 @@ fn write_views(text: &mut String, report: &Report, found: &ViewsResults) -> std:
     write_end(text, report)
 }
 
-fn write_curve(text: &mut String, report: &Report, found: &CurveReport) -> std::fmt::Result {
+fn write_curve(text: &mut String, report: &Report, found: &CurveReport, parts: usize) -> std::fmt::Result {
+    let kind = if found.closed { "closed" } else { "open" };
+    let kind = if parts > 1 { format!("{parts} curves") } else { format!("{kind} curve") };
     writeln!(
         text,
-        "{} curve of degree {} with {} after {} ({})",
-        if found.closed { "closed" } else { "open" },
+        "{kind} of degree {} with {} after {} ({})",
         found.degree,
         counted(found.controls, "control point"),
         counted(found.iterations, "iteration"),
@@ -231,6 +232,10 @@ fn write_curve(text: &mut String, report: &Report, found: &CurveReport) -> std::
         plain(found.max),
         found.max_index
     )?;
+    write_curve_coverage(text, &found.coverage)?;
+    if found.used + found.dropped < found.points {
+        writeln!(text, "  left out  {}", counted(found.points - found.dropped - found.used, "outlier"))?;
+    }
     if let (Some(share), Some(reached)) = (found.share_within, found.reached) {
         let verdict = if reached { "reached" } else { "NOT reached" };
         let share = percent_of_share(share, Rounding::Down);
@@ -374,6 +379,21 @@ fn write_subdivision(text: &mut String, report: &Report, found: &SubdivisionResu
         count => writeln!(text, "  folds     at {} of the limit surface", counted(count, "edge"))?,
     }
     write_end(text, report)
+}
+
+fn write_curve_coverage(text: &mut String, found: &CurveCoverage) -> std::fmt::Result {
+    writeln!(
+        text,
+        "  curve     to the points: rms {}  max {} ({:.1} spacings)",
+        plain(found.rms),
+        plain(found.max),
+        found.max_in_spacings
+    )?;
+    if found.is_complete() {
+        return writeln!(text, "  length    {}, none of it without data", plain(found.length));
+    }
+    let share = percent_of_share(found.length_without_data / found.length, Rounding::Up);
+    writeln!(text, "  length    {}, {share} of it without data", plain(found.length))
 }
 
 fn write_coverage(text: &mut String, coverage: Option<&SurfaceCoverage>) -> std::fmt::Result {

@@ -34,6 +34,16 @@ pub enum Error {
         /// Largest size.
         most: f64,
     },
+    /// The points lie on several curves that do not touch each other.
+    #[error(
+        "the points lie on {} curves that are apart from each other ({}): fit each by itself, or say how wide a gap may be",
+        sizes.len(),
+        sizes.iter().map(|n| format!("{n} points")).collect::<Vec<_>>().join(", ")
+    )]
+    SeveralParts {
+        /// Number of points on each.
+        sizes: Vec<usize>,
+    },
     /// An option outside its range.
     #[error("option {name} is {value}, but must be {allowed}")]
     Option {

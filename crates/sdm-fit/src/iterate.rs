@@ -99,6 +99,7 @@ pub fn fit_with_progress<const D: usize, S: ActiveShape<D>>(
         size: extent(&start).max(largest).max(f64::MIN_POSITIVE),
         schedule: Schedule::new(options.smoothing),
         damping: 0.0,
+        lifted: false,
         quiet: 0,
         since_global: 0,
         evaluations: 1,
@@ -131,6 +132,8 @@ struct Run<'a, const D: usize, S> {
     size: f64,
     schedule: Schedule,
     damping: f64,
+    /// Whether the matrix of the present step was lifted to be positive definite.
+    lifted: bool,
     /// Iterations in a row without a change worth mentioning.
     quiet: usize,
     since_global: usize,
@@ -246,6 +249,7 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
             evaluations: self.evaluations - evaluations,
             samples: weights.iter().filter(|w| **w > 0.0).count(),
             coefficients: self.shape.coefficients().len(),
+            lifted: self.lifted,
         };
         self.history.push(record);
         if self.options.control == StepControl::None && self.best.as_ref().is_none_or(|best| rms < best.0) {

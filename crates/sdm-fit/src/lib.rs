@@ -25,6 +25,7 @@
 mod assemble;
 mod cloud_kind;
 mod constraint;
+mod coverage_curve;
 mod coverage_surface;
 pub mod curve;
 mod error;
@@ -51,6 +52,7 @@ mod weights;
 
 pub use cloud_kind::{CloudKind, cloud_kind, measurable, tight_axes};
 pub use constraint::{Constraints, LinearCondition};
+pub use coverage_curve::{CurveCoverage, Stretch};
 pub use coverage_surface::SurfaceCoverage;
 pub use curve::ActiveCurve;
 pub use error::Error;

@@ -30,6 +30,10 @@ pub struct StepRecord {
     pub samples: usize,
     /// Number of coefficients of the shape.
     pub coefficients: usize,
+    /// Whether the matrix of the step was not positive definite and a multiple of the unit matrix was added to it, so that it is no
+    /// literal Newton step: the Taylor model away from a minimum, or rounding.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub lifted: bool,
 }
 
 /// How a fit went.

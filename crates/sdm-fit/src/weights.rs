@@ -10,7 +10,17 @@ const NO_SPREAD: f64 = 1e-12;
 /// The weights of the samples, with the sum 1 (or all 0).
 pub(crate) fn weights<const D: usize>(samples: &Samples<'_, D>, feet: &Feet<D>, robust: Robust) -> Vec<f64> {
     let mut out: Vec<f64> = (0..samples.len()).map(|i| samples.weight(i, feet)).collect();
-    let distances = || (0..out.len()).filter(|&i| out[i] > 0.0).map(|i| feet.distance(i)).collect::<Vec<_>>();
+    weigh(&mut out, &|i| feet.distance(i), robust);
+    let total: f64 = out.iter().sum();
+    if total > 0.0 {
+        out.iter_mut().for_each(|w| *w /= total);
+    }
+    out
+}
+
+/// Weighs down what is far away.
+pub(crate) fn weigh(out: &mut [f64], distance: &dyn Fn(usize) -> f64, robust: Robust) {
+    let distances = || (0..out.len()).filter(|&i| out[i] > 0.0).map(distance).collect::<Vec<_>>();
     match robust {
         Robust::None => {}
         Robust::Kernel { kernel, abs_scale } => {
@@ -22,24 +32,19 @@ pub(crate) fn weights<const D: usize>(samples: &Samples<'_, D>, feet: &Feet<D>, 
             });
             if scale > 0.0 {
                 for (i, weight) in out.iter_mut().enumerate().filter(|(_, w)| **w > 0.0) {
-                    *weight *= kernel.weight((feet.distance(i) / scale).powi(2));
+                    *weight *= kernel.weight((distance(i) / scale).powi(2));
                 }
             }
         }
         Robust::Trimmed { outliers } => {
             let limit = quantile_in_place(&mut distances(), 1.0 - outliers);
             for (i, weight) in out.iter_mut().enumerate() {
-                if *weight > 0.0 && feet.distance(i) > limit {
+                if *weight > 0.0 && distance(i) > limit {
                     *weight = 0.0;
                 }
             }
         }
     }
-    let total: f64 = out.iter().sum();
-    if total > 0.0 {
-        out.iter_mut().for_each(|w| *w /= total);
-    }
-    out
 }
 
 /// `Σ w d²`, the largest distance of a sample that counts, and which one that is.

@@ -57,7 +57,12 @@ pub(crate) struct Args {
     /// closed curves in the plane whose start is far away, or that wind
     #[arg(long, conflicts_with = "open")]
     search: bool,
-    /// Weights are unknowns, too: circles and other conics become exact
+    /// Length without points that belongs to the curve nevertheless, in the units of the file; where points are further apart there are several
+    /// curves, or a part without data [default: as the other distances of neighbours show]
+    #[arg(long, value_name = "LENGTH", value_parser = numbers::length)]
+    max_gap: Option<f64>,
+    /// Weights are unknowns, too: conics become exact, as arcs of degree 2, if there are as many control points as these
+    /// need: 6 for a closed curve, 3 to 9 for an open one
     #[arg(long)]
     rational: bool,
     /// Write the footpoint of every point (CSV): the point, its foot, distance and parameter
@@ -77,11 +82,19 @@ pub(crate) struct Args {
 
 const AFTER_HELP: &str = "\
 The report (--json) holds in `results`: `status`, `closed` and why (`closure`), `start`, `control_points`, `degree`, `rms`, `max`,
-`max_index`, `share_within` and `within_tolerance` (with a tolerance), `crossings` (parameters at which a plane curve crosses
+`max_index`, `share_within` and `within_tolerance` (with a tolerance), `coverage` and `covered`, `crossings` (parameters at which a plane curve crosses
 itself), `stages` (the runs of the iteration) and `history` (every iteration of those that were kept).
 
-Exit status 0: the tolerance holds, or, without one, the iteration converged; 1: it does not hold, or the iteration did not converge
-(files are written nevertheless); 2: bad input or usage; 130: interrupted.
+Points on several curves that are apart from each other become several curves in one file, each with a report of its own (`parts`).
+
+`coverage` tells how near every part of the curve is to the points: distances of the curve from the nearest point (`rms`, `max`), the
+parts between feet of neighbours that are without data (`without_data`, `length_without_data`, also in spacings), the length over that of the polygon
+through the feet (`length_ratio`), and how many points are further away than spacing, noise or tolerance explain (`points_far`).
+`covered` says whether all of this holds.
+
+Exit status 0: the tolerance holds, or, without one, the iteration converged, and every part of the curve is near to points and every point
+near to the curve; 1: something of this does not hold, and the message says where (files are written nevertheless); 2: bad input or
+usage; 130: interrupted.
 
 Examples:
   indgeo fit-curve section.xyz -o section.step --unit mm
@@ -108,6 +121,7 @@ impl Args {
             .with_max_controls(self.max_controls)
             .with_rational(self.rational)
             .with_search(self.search)
+            .with_max_gap(self.max_gap)
             .with_fit(fit)
     }
 }

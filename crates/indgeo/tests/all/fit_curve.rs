@@ -176,3 +176,52 @@ fn bad_input_says_what_and_what_to_do() {
     let run = bench.run("fit-curve gaps.xyz -o gaps.json --control-points 10 --json -");
     assert_eq!((run.code, &run.report()["results"]["points_dropped"]), (0, &1.into()), "{}", run.stderr);
 }
+
+#[test]
+fn curves_that_leave_their_points_are_said_to_do_so() {
+    let bench = Bench::new();
+    let ring = |count: usize, centre: f64, radius: f64| -> String {
+        let at = |k: usize| TAU * (k * 37 % count) as f64 / count as f64;
+        (0..count).map(|k| format!("{} {}\n", centre + radius * at(k).cos(), radius * at(k).sin())).collect()
+    };
+    // Two outlines in one file are two curves.
+    bench.put("two.xyz", ring(90, 0.0, 9.0) + &ring(50, 1.0, 4.0));
+    let run = bench.run("fit-curve two.xyz -o two.json --points-out feet.csv --json -");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let results = &run.report()["results"];
+    assert_eq!(results["parts"].as_array().unwrap().len(), 2);
+    assert_eq!((&results["covered"], &results["closed"]), (&true.into(), &true.into()));
+    assert_eq!(json(&bench, "two.json")["shapes"].as_array().unwrap().len(), 2);
+    assert_eq!(bench.text("feet.csv").lines().next().unwrap(), "x,y,foot_x,foot_y,distance,t,curve");
+    assert!(bench.run("fit-curve two.xyz -o two.json").stdout.contains("2 curves"));
+    // One through both runs where no points are, which is said with the place.
+    let run = bench.run("fit-curve two.xyz -o one.json --closed --json report.json");
+    assert_eq!(run.code, 1, "{}", run.stdout);
+    let report = json(&bench, "report.json");
+    assert_eq!(report["status"], "defective");
+    let coverage = &report["results"]["coverage"];
+    let parts = coverage["without_data"].as_array().unwrap();
+    assert!(
+        report["results"]["covered"] == false && report["results"]["parts"].as_array().unwrap().is_empty()
+    );
+    if let Some(first) = parts.first() {
+        assert!(coverage["length_without_data"].as_f64().unwrap() > 3.0, "{coverage}");
+        assert!(
+            run.stderr.contains("has no points between t = ") && first["place"][0].is_number(),
+            "{}",
+            run.stderr
+        );
+    }
+    // A point at the end of the world is far from the curve, and is left out if that is asked for.
+    bench.put("far.xyz", ring(100, 0.0, 5.0) + "1e300 1\n");
+    let run = bench.run("fit-curve far.xyz -o far.json --json -");
+    assert_eq!((run.code, &run.report()["results"]["points_astray"]), (1, &1.into()), "{}", run.stderr);
+    assert!(run.stderr.contains("point 100 (from 0)"), "{}", run.stderr);
+    let run = bench.run("fit-curve far.xyz -o far.json --outliers automatic --json -");
+    assert_eq!((run.code, &run.report()["results"]["points_used"]), (0, &100.into()), "{}", run.stderr);
+    // The exact circle with as many control points as arcs need.
+    let run = bench
+        .run("fit-curve far.xyz -o six.json --outliers automatic --rational --control-points 6 --json -");
+    assert!(run.code == 0 && run.report()["results"]["max"].as_f64().unwrap() < 1e-9, "{}", run.stderr);
+    assert!(bench.run("fit-curve two.xyz -o one.json --max-gap -1").code == 2);
+}

@@ -1,8 +1,8 @@
 //! The number of control points: as many as a tolerance asks for, or as the noise supports.
 
 use super::crossing::self_crossings;
-use super::fit::{CHOICE, EXACT, SMOOTHER, State, Work};
 use super::start::Layout;
+use super::work::{CHOICE, EXACT, SMOOTHER, State, Work};
 use crate::options::Smoothing;
 use crate::{Error, Status};
 use footpoint::CurveProjector;
@@ -20,6 +20,10 @@ const SMOOTHED: f64 = 0.5;
 /// Improvement of the root mean square below which more knots do not help, and how often in a row that may be.
 const HELP: f64 = 0.02;
 const PATIENCE: usize = 3;
+/// Numbers of control points in a row without an improvement after which no more are tried, even if all curves leave the points.
+const HOPELESS: usize = 5;
+/// Share of a curve without points from which on a number of control points is not taken if another one has less.
+const BARE: f64 = 0.03;
 /// Share of the size below which distances are good enough where nothing else is asked for.
 const GOOD: f64 = 1e-6;
 /// Least `λ` while knots are missing.
@@ -34,9 +38,10 @@ pub(super) fn to_tolerance<const D: usize>(
     work: &mut Work<'_, D>,
     mut state: State<D>,
 ) -> Result<State<D>, Error> {
-    let Some(tolerance) = work.options.abs_tolerance else { return Ok(state) };
+    let Some(tolerance) = work.tolerance() else { return Ok(state) };
     let (coarse, fit) = (coarse(work), warm(work));
-    let crossings = |state: &State<D>| self_crossings(&state.curve).len();
+    let expected = work.expected;
+    let crossings = |state: &State<D>| self_crossings(&state.curve).len().saturating_sub(expected);
     let mut idle = 0;
     for _ in 0..ROUNDS {
         if state.report.max <= tolerance || work.cancelled {
@@ -102,7 +107,7 @@ fn smoother<const D: usize>(
     for more in SMOOTHER {
         let fit = work.loop_options().with_smoothing(Smoothing::Fixed { lambda: from * more });
         let next = work.run(state.curve.clone(), &fit, "uncross")?;
-        let fewer = self_crossings(&next.curve).len() < self_crossings(&state.curve).len();
+        let fewer = work.crossings(&next.curve) < work.crossings(&state.curve);
         if work.cancelled || next.report.max > tolerance {
             break;
         }
@@ -110,7 +115,7 @@ fn smoother<const D: usize>(
             work.keep(&next);
             state = next;
         }
-        if self_crossings(&state.curve).is_empty() {
+        if work.crossings(&state.curve) == 0 {
             break;
         }
     }
@@ -130,7 +135,7 @@ pub(super) fn coarse<const D: usize>(work: &Work<'_, D>) -> crate::FitOptions {
     }
 }
 
-fn warm<const D: usize>(work: &Work<'_, D>) -> crate::FitOptions {
+pub(super) fn warm<const D: usize>(work: &Work<'_, D>) -> crate::FitOptions {
     let fit = work.loop_options();
     match fit.smoothing {
         Smoothing::Automatic { start, factor } => {
@@ -210,7 +215,7 @@ pub(super) fn by_noise<const D: usize>(
         let mut state = work.run_on(&sample, first(layout, degree, controls, bent)?, &fit, "choose")?;
         if !bent
             && through
-            && !self_crossings(&state.curve).is_empty()
+            && work.crossings(&state.curve) > 0
             && let Some(curve) = layout.bent(degree, controls)?
         {
             (bent, work.follows) = (true, true);
@@ -218,19 +223,25 @@ pub(super) fn by_noise<const D: usize>(
             state = work.run_on(&sample, curve, &fit, "choose")?;
         }
         let rms = state.report.rms.max(EXACT * work.size);
-        let crosses = !self_crossings(&state.curve).is_empty();
+        let faulty = work.crossings(&state.curve) > 0
+            || work.coverage_on(&sample, &state.curve).share_without_data() > BARE;
         // Both by direction across the curve: along it neither points nor control points tell anything.
         let free = if bent { controls as f64 } else { SMOOTHED * controls as f64 };
         let criterion = count * 2.0 * rms.ln() + free * count.ln();
-        let better = best.is_none_or(|b| criterion < b.criterion) && !(crosses && best.is_some());
+        let better = best.is_none_or(|b| (faulty, criterion) < (b.faulty, b.criterion));
         if better {
-            best = Some(Choice { criterion, controls, bent });
+            best = Some(Choice { criterion, faulty, controls, bent });
             worse = 0;
         } else {
             worse += 1;
         }
         let next = controls + (controls * GROWTH.0 / GROWTH.1).max(1);
-        if worse >= 2 && controls >= faithful || next > most || rms <= GOOD * work.size || work.cancelled {
+        let sound = best.is_none_or(|b| !b.faulty);
+        if worse >= 2 && controls >= faithful && (sound || worse >= HOPELESS)
+            || next > most
+            || rms <= GOOD * work.size
+            || work.cancelled
+        {
             break;
         }
         controls = next;
@@ -247,6 +258,8 @@ pub(super) fn by_noise<const D: usize>(
 #[derive(Clone, Copy)]
 struct Choice {
     criterion: f64,
+    /// Whether the curve crosses itself where the path does not, or leaves the points.
+    faulty: bool,
     controls: usize,
     /// Whether knots were where the path bends, and points followed.
     bent: bool,

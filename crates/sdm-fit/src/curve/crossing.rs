@@ -1,5 +1,6 @@
 //! Where a plane curve crosses itself.
 
+use mesh_core::CloudIndex;
 use nalgebra::{Matrix2, SVector, Vector2};
 use nurbs_core::{BsplineCurve, ParametricCurve};
 
@@ -50,6 +51,45 @@ pub fn self_crossings<const D: usize>(curve: &BsplineCurve<D>) -> Vec<[f64; 2]> 
     let same = 1e-9 * knots.domain().length();
     found.dedup_by(|a, b| (a[0] - b[0]).abs() <= same && (a[1] - b[1]).abs() <= same);
     found
+}
+
+/// Whether two parts of a plane curve that are far from each other along it come nearer to each other than a distance, at an angle: where it
+/// may have turned instead of going straight on across itself. The sides of what is thin are parallel.
+pub(super) fn meets_itself<const D: usize>(curve: &BsplineCurve<D>, distance: f64) -> bool {
+    /// Samples at most, length along the curve from which on parts are far in units of the distance, and sine of the angle.
+    const MOST: usize = 4000;
+    const APART: f64 = 8.0;
+    const ANGLE: f64 = 0.5;
+    if D != 2 || distance.is_nan() || distance <= 0.0 {
+        return false;
+    }
+    let (domain, closed) = (curve.domain(), curve.knots().is_periodic());
+    let at = |k: usize| plane(&curve.point(domain.lerp(k as f64 / MOST as f64)));
+    let places: Vec<Vector2<f64>> = (0..=MOST).map(at).collect();
+    let mut lengths = vec![0.0];
+    for (k, pair) in places.windows(2).enumerate() {
+        lengths.push(lengths[k] + (pair[1] - pair[0]).norm());
+    }
+    let total = lengths[MOST];
+    // Where samples are wider apart they tell no more than that.
+    let reach = distance.max(4.0 * total / MOST as f64);
+    let mut picked: Vec<(nalgebra::Point2<f64>, Vector2<f64>, f64)> = Vec::new();
+    for k in 0..MOST {
+        if picked.last().is_none_or(|last| lengths[k] - last.2 >= 0.4 * reach)
+            && let Some(way) = (places[k + 1] - places[k]).try_normalize(0.0)
+        {
+            picked.push((places[k].into(), way, lengths[k]));
+        }
+    }
+    let points: Vec<_> = picked.iter().map(|p| p.0).collect();
+    let Ok(index) = CloudIndex::new(&points) else { return false };
+    picked.iter().enumerate().any(|(i, (place, way, length))| {
+        index.within(place, reach).iter().filter(|n| n.index > i).any(|n| {
+            let (_, other, far) = &picked[n.index];
+            let apart = if closed { (far - length).min(total - far + length) } else { far - length };
+            apart > APART * reach && way.perp(other).abs() > ANGLE
+        })
+    })
 }
 
 pub(super) fn plane<const D: usize>(x: &SVector<f64, D>) -> Vector2<f64> {

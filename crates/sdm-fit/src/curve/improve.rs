@@ -1,7 +1,6 @@
 //! What is tried after a run of the loop: more smoothing where the curve crosses itself, last steps near the minimum.
 
-use super::crossing::self_crossings;
-use super::fit::{SMOOTHER, State, Work};
+use super::work::{SMOOTHER, State, Work};
 use crate::options::{Smoothing, StepControl};
 use crate::{Error, Status};
 use distance_field::ErrorTerm;
@@ -32,7 +31,7 @@ impl<const D: usize> Work<'_, D> {
         let next = self.run(state.curve.clone(), &fit, "finish")?;
         let better =
             next.report.rms <= state.report.rms * (1.0 + CREEP) && next.report.status != Status::Diverged;
-        let crosses = !self_crossings(&next.curve).is_empty() && self_crossings(&state.curve).is_empty();
+        let crosses = self.crossings(&next.curve) > self.crossings(&state.curve);
         Ok(if better && !crosses { next } else { state })
     }
 
@@ -46,7 +45,7 @@ impl<const D: usize> Work<'_, D> {
         let Smoothing::Automatic { start: first, factor } = self.options.fit.smoothing else {
             return Ok(state);
         };
-        if crossed || self.cancelled || self_crossings(&state.curve).is_empty() {
+        if crossed || self.cancelled || self.crossings(&state.curve) == 0 {
             return Ok(state);
         }
         let from = state.report.lambda.max(1e-5);
@@ -55,7 +54,7 @@ impl<const D: usize> Work<'_, D> {
             let smoothing = Smoothing::Continuation { start: first.max(floor), factor, floor };
             let fit = self.loop_options().with_smoothing(smoothing);
             let next = self.run(start.clone(), &fit, "uncross")?;
-            if self.cancelled || self_crossings(&next.curve).is_empty() {
+            if self.cancelled || self.crossings(&next.curve) == 0 {
                 return Ok(next);
             }
         }

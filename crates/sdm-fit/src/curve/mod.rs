@@ -5,21 +5,31 @@
 
 mod active;
 mod adapt;
+mod attempt;
+mod conclude;
 mod crossing;
 mod fit;
 mod front;
 mod improve;
+mod judge;
+mod nodes;
 mod options;
+mod parts;
 mod path;
+mod pieces;
 mod places;
 mod rational;
 mod report;
+mod several;
+mod shortest;
 mod start;
 mod tour;
 mod tree;
+mod work;
 
 pub use active::ActiveCurve;
 pub use crossing::self_crossings;
 pub use fit::{fit_curve, fit_curve_with_progress};
 pub use options::CurveOptions;
 pub use report::{Closure, CurveFit, CurveReport, CurveStart, PointFoot, StageRecord};
+pub use several::{CurvePart, fit_curves, fit_curves_with_progress};

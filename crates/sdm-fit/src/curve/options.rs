@@ -24,6 +24,9 @@ pub struct CurveOptions {
     /// Whether the outline is searched in the whole plane first, by a contour that grows inside the points until it meets them: for
     /// starts that are far away, and for outlines that wind. Only for closed curves in the plane; default not.
     pub search: bool,
+    /// Length without points that belongs to the curve nevertheless; by default as much as the other distances of neighbours lead to
+    /// expect. Where points are further apart there are several curves, or a part of the curve has no data.
+    pub max_gap: Option<f64>,
     /// Options of the loop.
     pub fit: FitOptions,
 }
@@ -38,6 +41,7 @@ impl Default for CurveOptions {
             max_controls: 200,
             rational: false,
             search: false,
+            max_gap: None,
             fit: FitOptions::default(),
         }
     }
@@ -86,6 +90,12 @@ impl CurveOptions {
         Self { search, ..self }
     }
 
+    /// The same options with another length that may be without points.
+    #[must_use]
+    pub fn with_max_gap(self, max_gap: Option<f64>) -> Self {
+        Self { max_gap, ..self }
+    }
+
     /// The same options with other options of the loop.
     #[must_use]
     pub fn with_fit(self, fit: FitOptions) -> Self {
@@ -105,6 +115,9 @@ impl CurveOptions {
         }
         if let Some(value) = self.abs_tolerance.filter(|t| !(*t > 0.0 && t.is_finite())) {
             return error("tolerance", value, "a positive length");
+        }
+        if let Some(value) = self.max_gap.filter(|t| !(*t > 0.0 && t.is_finite())) {
+            return error("max_gap", value, "a positive length");
         }
         if self.max_controls < self.fewest() {
             return error("max_controls", self.max_controls as f64, "more than the degree");

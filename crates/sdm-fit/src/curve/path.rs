@@ -1,35 +1,38 @@
 //! A polygon along a cloud: from the order of its points, or from their places alone.
 
-use super::tour::short_tour;
-use super::tree::{longest_path, tree_length};
+use super::crossing::plane;
+use super::nodes::{dense, draw, roundness, supported, thin};
+use super::parts::{Asked, Parts, chains, in_order};
 use crate::parallel;
 use distance_field::quantile_in_place;
 use mesh_core::CloudIndex;
-use nalgebra::{DMatrix, Point, SVector};
+use nalgebra::{Point, SVector, Vector2};
 use std::cmp::Ordering;
 
 /// Points taken for a path at most.
 const MOST: usize = 4000;
 /// Numbers of neighbours tried for it.
 const NEIGHBOURS: [usize; 11] = [6, 10, 16, 25, 40, 63, 100, 160, 250, 400, 630];
-/// Passes that draw points to the local line.
-const PASSES: usize = 4;
-/// Share of the nodes that may lie off the path.
-const STRAY: f64 = 0.02;
+/// Share of the points that may lie off the path.
+const STRAY: f64 = 0.1;
 /// Steps between consecutive points of an ordered cloud, as a share of the distance of points half a cloud apart.
 const STEP: [f64; 2] = [0.2, 0.35];
 /// Points by which the scatter about a path is told, at most.
 const SCATTERED: usize = 500;
-/// Fewest points of a path through all of them.
-const LEAST: usize = 8;
-/// Length of a tour through points on a curve, without its longest step, over that of the tree of shortest edges, at most.
-const DETOUR: f64 = 1.15;
-/// Gap between the ends of such a path, in units of its longest step, and of its length, up to which it is closed.
-const RING: [f64; 2] = [1.5, 0.01];
-/// Gap between the ends, in units of the largest steps, up to which a path is closed.
-const GAP: f64 = 2.5;
+/// Fewest points of a path.
+const LEAST: usize = 4;
+/// Median angle between the edges of a path through points and through drawn nodes, at most, and of one that is better than none, in radians.
+const TURNS: [f64; 3] = [0.5, 0.6, 1.0];
 /// A polygon is smooth where twice the window shortens it by less than this factor.
 const ZIGZAG: f64 = 1.1;
+/// Parts into which points in their order may fall.
+const PARTS: usize = 12;
+/// Width of a neighbourhood as a share of its length beyond which no curve is to be seen, first and, if there is no path then, at last.
+const ROUND: [f64; 2] = [0.35, 0.45];
+/// Wider neighbourhoods that are tried where there are several paths.
+const WIDER: usize = 2;
+/// Edges of a path that are nearly next to each other.
+const NEXT: usize = 6;
 
 /// A polygon along the data.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,19 +51,48 @@ impl<const D: usize> Path<D> {
         self.nodes.len() > 3 && self.gap <= self.gap_limit
     }
 
+    /// Distance of a point from the nearest edge, the one from the last node to the first included if the path is closed.
+    pub(crate) fn distance(&self, x: &SVector<f64, D>) -> f64 {
+        let back = if self.is_closed() { self.nodes.last().zip(self.nodes.first()) } else { None };
+        let edges = self.nodes.iter().zip(self.nodes.iter().skip(1)).chain(back);
+        let square = |(a, b): (&SVector<f64, D>, &SVector<f64, D>)| {
+            let (along, away) = (b - a, x - a);
+            let share = (along.dot(&away) / along.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+            (away - along * share).norm_squared()
+        };
+        edges.map(square).fold(f64::INFINITY, f64::min).sqrt()
+    }
+
     /// Root mean square distance of points from the nearest edge of the path.
     pub(crate) fn scatter(&self, points: &[SVector<f64, D>]) -> f64 {
         let stride = points.len().div_ceil(SCATTERED).max(1);
-        let squares = points.iter().step_by(stride).map(|x| {
-            let edge = |pair: &[SVector<f64, D>]| {
-                let (along, away) = (pair[1] - pair[0], x - pair[0]);
-                let share = (along.dot(&away) / along.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-                (away - along * share).norm_squared()
-            };
-            self.nodes.windows(2).map(edge).fold(f64::INFINITY, f64::min)
-        });
-        let squares: Vec<f64> = squares.collect();
+        let squares: Vec<f64> = points.iter().step_by(stride).map(|x| self.distance(x).powi(2)).collect();
         (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
+    }
+
+    /// How often a path in the plane crosses itself, but for crossings of edges that are nearly next to each other.
+    pub(crate) fn crossings(&self, closed: bool) -> usize {
+        let n = self.nodes.len();
+        if D != 2 || n < 2 * NEXT {
+            return 0;
+        }
+        let edges = if closed { n } else { n - 1 };
+        let edge = |k: usize| (plane(&self.nodes[k]), plane(&self.nodes[(k + 1) % n]));
+        let crosses = |i: usize, j: usize| {
+            let ((a, b), (c, d)) = (edge(i), edge(j));
+            let apart = a.inf(&b).zip_map(&c.sup(&d), |low, high| low > high);
+            let beyond = c.inf(&d).zip_map(&a.sup(&b), |low, high| low > high);
+            if apart.iter().chain(beyond.iter()).any(|x| *x) {
+                return false;
+            }
+            let side = |p: &Vector2<f64>, q: &Vector2<f64>, x: &Vector2<f64>| (q - p).perp(&(x - p)) > 0.0;
+            side(&a, &b, &c) != side(&a, &b, &d) && side(&c, &d, &a) != side(&c, &d, &b)
+        };
+        let counts = parallel::map(edges, |i| {
+            let near = |j: usize| j - i <= NEXT || closed && n + i - j <= NEXT;
+            (i + 1..edges).filter(|&j| !near(j) && crosses(i, j)).count()
+        });
+        counts.iter().sum()
     }
 
     /// Lengths from the first node to each, and in all, the way back included if `closed`.
@@ -97,7 +129,7 @@ pub(crate) fn is_ordered<const D: usize>(points: &[SVector<f64, D>]) -> bool {
 }
 
 /// Points averaged by so many in their order as take out the zigzag of noise, and how many these are.
-fn without_zigzag<const D: usize>(points: &[SVector<f64, D>]) -> (usize, Vec<SVector<f64, D>>) {
+pub(super) fn without_zigzag<const D: usize>(points: &[SVector<f64, D>]) -> (usize, Vec<SVector<f64, D>>) {
     let averaged = |window: usize| -> Vec<SVector<f64, D>> {
         points
             .chunks(window)
@@ -118,61 +150,44 @@ fn without_zigzag<const D: usize>(points: &[SVector<f64, D>]) -> (usize, Vec<SVe
     }
 }
 
-/// The path through points in their order, averaged over as few of them as take out the zigzag of noise.
-pub(crate) fn along_order<const D: usize>(points: &[SVector<f64, D>]) -> Path<D> {
-    let (_, mut nodes) = without_zigzag(points);
-    let mut steps: Vec<f64> = nodes.windows(2).map(|p| (p[1] - p[0]).norm()).collect();
-    let gap_limit = GAP * quantile_in_place(&mut steps, 0.9);
-    let gap = nodes.first().zip(nodes.last()).map_or(0.0, |(a, b)| (b - a).norm());
-    if gap == 0.0 && nodes.len() > 2 {
-        // The first point is repeated at the end.
-        nodes.pop();
-    }
-    Path { nodes, gap, gap_limit, ordered: true }
+/// The paths through points in their order, averaged over as few of them as take out the zigzag of noise; `None` where they fall into
+/// many.
+pub(super) fn along_order<const D: usize>(points: &[SVector<f64, D>], asked: Asked) -> Option<Vec<Path<D>>> {
+    let (_, nodes) = without_zigzag(points);
+    let found = in_order(nodes, asked);
+    (1..=PARTS).contains(&found.paths.len()).then_some(found.paths)
 }
 
-/// The path through points that lie on a curve, however unevenly: a short tour, if it is hardly longer than the tree of shortest edges
-/// and does not pass to and fro across the curve, as it does where there is noise.
-pub(crate) fn through_points<const D: usize>(points: &[SVector<f64, D>]) -> Option<Path<D>> {
+/// The paths through points in any order: through the points themselves if that goes straight on, else through what is left when points
+/// are drawn to the lines of their neighbourhoods, the narrowest ones for which it does. `None` where there is no path.
+pub(super) fn through<const D: usize>(points: &[SVector<f64, D>], asked: Asked) -> Option<Vec<Path<D>>> {
     let stride = points.len().div_ceil(MOST).max(1);
-    let mut nodes: Vec<SVector<f64, D>> = points.iter().step_by(stride).copied().collect();
+    let mut sample: Vec<SVector<f64, D>> = points.iter().step_by(stride).copied().collect();
     let order = |a: &SVector<f64, D>, b: &SVector<f64, D>| {
         a.iter().zip(b).map(|(x, y)| x.total_cmp(y)).find(|o| o.is_ne()).unwrap_or(Ordering::Equal)
     };
-    nodes.sort_by(order);
-    nodes.dedup();
-    if nodes.len() < LEAST {
+    sample.sort_by(order);
+    sample.dedup();
+    if sample.len() < LEAST {
         return None;
     }
-    let mut tour = short_tour(&nodes)?;
-    let step = |k: usize| (nodes[tour[(k + 1) % tour.len()]] - nodes[tour[k]]).norm();
-    let mut steps: Vec<f64> = (0..tour.len()).map(step).collect();
-    let widest = (0..steps.len()).max_by(|&a, &b| steps[a].total_cmp(&steps[b]))?;
-    tour.rotate_left((widest + 1) % steps.len());
-    let gap = steps.swap_remove(widest);
-    let second = steps.iter().copied().fold(0.0, f64::max);
-    let length: f64 = steps.iter().sum();
-    if length > DETOUR * tree_length(&nodes) {
-        return None;
+    let mut sample = supported(sample);
+    sample.dedup();
+    let sample = sample;
+    if let Some(found) = chains(&sample, None, asked)
+        && is_good(&found, TURNS[0])
+        && strays(&found.paths, &sample, None) <= STRAY
+    {
+        return Some(found.paths);
     }
-    let nodes: Vec<SVector<f64, D>> = tour.into_iter().map(|i| nodes[i]).collect();
-    if without_zigzag(&nodes).0 > 1 {
-        return None;
-    }
-    Some(Path { nodes, gap, gap_limit: RING[0] * second + RING[1] * length, ordered: false })
-}
-
-/// The longest path in the tree of shortest edges between points drawn to a skeleton, for the narrowest neighbourhoods
-/// for which it passes all of them.
-pub(crate) fn through_cloud<const D: usize>(points: &[SVector<f64, D>]) -> Option<Path<D>> {
-    let stride = points.len().div_ceil(MOST).max(1);
-    let sample: Vec<SVector<f64, D>> = points.iter().step_by(stride).copied().collect();
     let places: Vec<Point<f64, D>> = sample.iter().copied().map(Point::from).collect();
     let index = CloudIndex::new(&places).ok()?;
-    let mut best: Option<(f64, Path<D>)> = None;
-    for count in NEIGHBOURS {
+    // The best of what is not good, if nothing is.
+    let mut second: Option<(f64, Vec<Path<D>>)> = None;
+    let (mut several, mut tried): (Option<Vec<Path<D>>>, usize) = (None, 0);
+    for (round, count) in ROUND.into_iter().flat_map(|round| NEIGHBOURS.map(|count| (round, count))) {
         if count > (sample.len() / 3).max(NEIGHBOURS[0]) {
-            break;
+            continue;
         }
         let mut reach =
             index.map_nearest_n(&places, count + 1, |_, near| near.last().map_or(0.0, |n| n.distance()));
@@ -180,101 +195,84 @@ pub(crate) fn through_cloud<const D: usize>(points: &[SVector<f64, D>]) -> Optio
         if radius.is_nan() || radius <= 0.0 {
             continue;
         }
-        let drawn = draw(&index, &sample, radius);
-        let nodes = thin(&drawn, 0.5 * radius);
-        if nodes.len() < 4 {
+        let width = roundness(&index, &sample, radius);
+        // The second time those that were not looked at before.
+        if width > round || round > ROUND[0] && width <= ROUND[0] {
             continue;
         }
-        let order = longest_path(&nodes);
-        let path: Vec<_> = order.iter().map(|&i| nodes[i]).collect();
-        let stray = nodes.iter().filter(|node| distance(&path, node) > radius).count();
-        let stray = stray as f64 / nodes.len() as f64;
-        let longest = path.windows(2).map(|p| (p[1] - p[0]).norm()).fold(0.0, f64::max);
-        let ends = path.first().zip(path.last()).map_or(0.0, |(a, b)| (b - a).norm());
-        let gap_limit = (GAP * radius).min(0.5 * longest.max(radius) * path.len() as f64).max(longest);
-        let path = Path { nodes: path, gap: ends, gap_limit, ordered: false };
-        let fits = stray <= STRAY && longest <= 3.0 * radius;
-        if fits {
-            return Some(path);
+        let drawn = draw(&index, &sample, radius);
+        let nodes = dense(&drawn, thin(&drawn, 0.5 * radius), radius);
+        if nodes.len() < LEAST {
+            continue;
         }
-        if best.as_ref().is_none_or(|b| stray < b.0) {
-            best = Some((stray, path));
+        let Some(mut found) = chains(&nodes, Some(&drawn), asked) else { continue };
+        let stray = strays(&found.paths, &sample, Some(radius));
+        if stray > STRAY || found.turn > TURNS[2] || found.lanes || found.paths.is_empty() {
+            continue;
         }
-    }
-    best.filter(|b| b.0 < 0.1).map(|b| b.1)
-}
-
-/// Points drawn to the line of least squares through their neighbourhoods, a few times.
-fn draw<const D: usize>(
-    index: &CloudIndex<D>,
-    sample: &[SVector<f64, D>],
-    radius: f64,
-) -> Vec<SVector<f64, D>> {
-    parallel::map(sample.len(), |i| {
-        let mut x = sample[i];
-        for _ in 0..PASSES {
-            let near = index.within(&Point::from(x), radius);
-            let Some((centre, direction)) = local_line(sample, &near, radius) else { break };
-            x = centre + direction * direction.dot(&(x - centre));
-        }
-        x
-    })
-}
-
-fn local_line<const D: usize>(
-    sample: &[SVector<f64, D>],
-    near: &[mesh_core::Neighbour],
-    radius: f64,
-) -> Option<(SVector<f64, D>, SVector<f64, D>)> {
-    let weight = |n: &mesh_core::Neighbour| (1.0 - n.distance_sq / (radius * radius)).max(0.0).powi(2);
-    let total: f64 = near.iter().map(weight).sum();
-    if near.len() < 3 || total <= 0.0 {
-        return None;
-    }
-    let centre = near.iter().map(|n| sample[n.index] * weight(n)).sum::<SVector<f64, D>>() / total;
-    let mut moments = DMatrix::zeros(D, D);
-    for n in near {
-        let r = sample[n.index] - centre;
-        for a in 0..D {
-            for b in 0..D {
-                moments[(a, b)] += weight(n) * r[a] * r[b];
+        found
+            .paths
+            .iter_mut()
+            .filter(|path| !path.is_closed())
+            .for_each(|path| reach_ends(path, &drawn, radius));
+        if is_good(&found, TURNS[1]) {
+            if found.paths.len() == 1 {
+                return Some(found.paths);
             }
+            // Points that hardly show a path may show two where there is one that a little more width makes out.
+            several.get_or_insert(found.paths);
+            tried += 1;
+            if tried > WIDER {
+                return several;
+            }
+            continue;
+        }
+        if second.as_ref().is_none_or(|other| found.turn < other.0) {
+            second = Some((found.turn, found.paths));
         }
     }
-    principal(moments).map(|(direction, _)| (centre, direction))
+    several.or(second.map(|found| found.1))
 }
 
-/// The eigenvector of the largest eigenvalue of a symmetric matrix, and all eigenvalues in decreasing order.
-pub(crate) fn principal<const D: usize>(moments: DMatrix<f64>) -> Option<(SVector<f64, D>, Vec<f64>)> {
-    if moments.iter().any(|x| !x.is_finite()) {
-        return None;
-    }
-    let eigen = moments.symmetric_eigen();
-    let direction = SVector::from_fn(|i, _| eigen.eigenvectors[(i, eigen.eigenvalues.imax())]);
-    let mut values: Vec<f64> = eigen.eigenvalues.iter().copied().collect();
-    values.sort_by(|a, b| b.total_cmp(a));
-    Some((direction, values))
+fn is_good<const D: usize>(found: &Parts<D>, turn: f64) -> bool {
+    !found.paths.is_empty() && !found.lanes && found.turn <= turn
 }
 
-/// Points of which no two are nearer than `spacing`, by first come.
-fn thin<const D: usize>(points: &[SVector<f64, D>], spacing: f64) -> Vec<SVector<f64, D>> {
-    let mut out: Vec<SVector<f64, D>> = Vec::new();
-    for p in points {
-        if out.iter().all(|q| (p - q).norm() >= spacing) {
-            out.push(*p);
+/// Share of the points that are further from all paths than a distance; than a step of the path, if none is given.
+fn strays<const D: usize>(paths: &[Path<D>], points: &[SVector<f64, D>], far: Option<f64>) -> f64 {
+    let far = far.unwrap_or_else(|| {
+        let mut steps: Vec<f64> =
+            paths.iter().flat_map(|p| p.nodes.windows(2).map(|n| (n[1] - n[0]).norm())).collect();
+        quantile_in_place(&mut steps, 0.9)
+    });
+    let stray = parallel::map(points.len(), |i| paths.iter().all(|path| path.distance(&points[i]) > far));
+    stray.iter().filter(|s| **s).count() as f64 / points.len().max(1) as f64
+}
+
+/// Lengthens a path at its ends to where the points end.
+fn reach_ends<const D: usize>(path: &mut Path<D>, drawn: &[SVector<f64, D>], radius: f64) {
+    for _ in 0..2 {
+        path.nodes.reverse();
+        let n = path.nodes.len();
+        let end = path.nodes[n - 1];
+        let Some(way) = (end - path.nodes[n.saturating_sub(3)]).try_normalize(0.0) else { continue };
+        let beyond = |p: &SVector<f64, D>| {
+            let (along, across) = (way.dot(&(p - end)), (p - end) - way * way.dot(&(p - end)));
+            (along > 0.0 && along <= 2.0 * radius && across.norm() <= 0.5 * radius).then_some(along)
+        };
+        let furthest = drawn.iter().filter_map(beyond).fold(0.0, f64::max);
+        if furthest > 0.1 * radius {
+            path.nodes.push(end + way * furthest);
         }
     }
-    out
-}
-
-fn distance<const D: usize>(path: &[SVector<f64, D>], x: &SVector<f64, D>) -> f64 {
-    path.iter().map(|p| (p - x).norm()).fold(f64::INFINITY, f64::min)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use nalgebra::Vector2;
+
+    const ANY: Asked = Asked { closed: None, gap: None, outliers: false };
 
     fn arc(n: usize, angle: f64) -> Vec<Vector2<f64>> {
         (0..n).map(|i| angle * i as f64 / (n - 1) as f64).map(|a| Vector2::new(a.cos(), a.sin())).collect()
@@ -285,20 +283,25 @@ mod tests {
         (0..points.len()).map(|i| points[i * 77 % points.len()]).collect()
     }
 
+    fn single(paths: Option<Vec<Path<2>>>) -> Path<2> {
+        let mut paths = paths.unwrap();
+        assert_eq!(paths.len(), 1);
+        paths.remove(0)
+    }
+
     #[test]
     fn order_and_closure_are_seen() {
         for n in [8, 20, 101] {
             let ring = &arc(n + 1, std::f64::consts::TAU)[..n];
-            assert!(is_ordered(ring) && along_order(ring).is_closed(), "{n}");
+            assert!(is_ordered(ring) && single(along_order(ring, ANY)).is_closed(), "{n}");
             let half = arc(n, 3.0);
-            assert!(is_ordered(&half) && !along_order(&half).is_closed(), "{n}");
+            assert!(is_ordered(&half) && !single(along_order(&half, ANY)).is_closed(), "{n}");
         }
         let ring = shuffled(&arc(200, 6.25));
         assert!(!is_ordered(&ring));
-        let path = through_cloud(&ring).unwrap();
+        let path = single(through(&ring, ANY));
         assert!(path.is_closed() && path.nodes.len() > 10);
-        let path = through_cloud(&shuffled(&arc(200, 4.0))).unwrap();
-        assert!(!path.is_closed());
+        assert!(!single(through(&shuffled(&arc(200, 4.0)), ANY)).is_closed());
     }
 
     /// A thin section, its points dense at the ends and wide apart on the sides, as far as these are from each other.
@@ -311,7 +314,7 @@ mod tests {
     #[test]
     fn narrow_rings_with_uneven_points_are_followed() {
         let ring = thin_section(100);
-        let path = through_points(&shuffled(&ring)).unwrap();
+        let path = single(through(&shuffled(&ring), ANY));
         assert!(path.is_closed() && path.nodes.len() == ring.len(), "{} {}", path.gap, path.gap_limit);
         // In the order of the ring, one way or the other, from some point on.
         let place = |p: &Vector2<f64>| ring.iter().position(|q| p == q).unwrap();
@@ -321,17 +324,20 @@ mod tests {
         assert!(steps.iter().all(|&s| s == steps[0]) && [1, 99].contains(&steps[0]), "{steps:?}");
         // Without a side it is open.
         let open: Vec<_> = ring.iter().filter(|p| p.y > -0.2).copied().collect();
-        let path = through_points(&open).unwrap();
+        let path = single(through(&open, ANY));
         assert!(!path.is_closed(), "{} {}", path.gap, path.gap_limit);
     }
 
     #[test]
-    fn a_thick_cloud_has_no_path_through_all_points() {
+    fn a_thick_ring_is_followed_and_a_disc_is_none() {
         let spread = |i: u32, step: f64| (f64::from(i) * step).fract() - 0.5;
         let noisy = |i: u32| {
             let a = std::f64::consts::TAU * spread(i, 0.618_034);
             Vector2::new(a.cos(), a.sin()) * (1.0 + 0.2 * spread(i, 0.754_878))
         };
-        assert!(through_points(&(0..600).map(noisy).collect::<Vec<_>>()).is_none());
+        let path = single(through(&(0..600).map(noisy).collect::<Vec<_>>(), ANY));
+        assert!(path.is_closed() && path.nodes.len() < 200, "{}", path.nodes.len());
+        let disc = |i: u32| noisy(i).normalize() * (spread(i, 0.754_878) + 0.5).sqrt();
+        assert!(through(&(0..600).map(disc).collect::<Vec<_>>(), ANY).is_none());
     }
 }

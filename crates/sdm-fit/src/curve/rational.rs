@@ -4,13 +4,13 @@
 //! logarithms of the weights `wᵢ`, which stay positive: `∂c/∂dᵢ = Rᵢ`, `∂c/∂ln wᵢ = Rᵢ (dᵢ − c)` with the rational basis
 //! functions `Rᵢ`.
 
-use super::fit::{State, Work};
 use super::start::Layout;
+use super::work::{State, Work};
 use crate::options::{FitOptions, Smoothing};
 use crate::{Error, Status};
 use distance_field::{CurveField, DistanceField, ErrorTerm, PrincipalFrame, Search};
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
-use nurbs_core::{BsplineCurve, KnotVector, MAX_DEGREE, basis};
+use nurbs_core::{BsplineCurve, KnotVector, MAX_DEGREE, ParametricCurve, basis};
 
 /// Most unknowns of the dense system.
 const UNKNOWNS: usize = 600;
@@ -24,7 +24,7 @@ const RANGE: f64 = 6.0;
 /// Share of the size below which a curve counts as exact.
 const EXACT: f64 = 1e-9;
 /// Numbers of conic arcs that are tried.
-const ARCS: [usize; 3] = [1, 2, 4];
+const ARCS: [usize; 4] = [1, 2, 3, 4];
 
 /// The curve with weights: conic arcs if they are exact, otherwise the given curve with weights.
 pub(super) fn with_weights<const D: usize>(
@@ -35,19 +35,26 @@ pub(super) fn with_weights<const D: usize>(
     if work.cancelled {
         return Ok(state);
     }
-    if let Some(layout) = layout.filter(|_| work.options.controls.is_none()) {
+    if let Some(layout) = layout {
+        // With a number of control points that is given as many arcs as it has room for, and knots that change nothing for the rest.
+        let asked = work.options.controls;
         for arcs in ARCS.into_iter().filter(|&arcs| arcs > 1 || !layout.closed) {
             let controls = if layout.closed { 2 * arcs } else { 2 * arcs + 1 };
-            if controls > work.points.len() || controls > work.options.max_controls {
+            if controls > work.points.len().min(asked.unwrap_or(work.options.max_controls)) {
                 continue;
             }
             let start = layout.curve_on(conic_knots(arcs, layout.closed)?)?;
             let smoothing = Smoothing::Continuation { start: 1e-3, factor: 0.5, floor: 1e-6 };
             let fit = FitOptions { smoothing, ..work.loop_options() }.with_max_iterations(30);
             let first = work.run(start, &fit, "conic")?;
-            let found = improved(work, first)?;
+            let mut found = improved(work, first)?;
             work.note(&found, "weights");
             if found.report.rms <= EXACT * work.size {
+                let more = asked.map_or(0, |n| n - controls);
+                let domain = found.curve.domain();
+                let knots: Vec<f64> =
+                    (1..=more).map(|k| domain.lerp((k as f64 - 0.5) / more as f64 * 0.999)).collect();
+                found.curve = found.curve.refine(&knots)?;
                 work.keep(&found);
                 return Ok(found);
             }

@@ -1,6 +1,6 @@
 //! What a curve fit found.
 
-use crate::{Status, StepRecord};
+use crate::{CurveCoverage, Status, StepRecord};
 use nalgebra::SVector;
 use nurbs_core::BsplineCurve;
 
@@ -83,7 +83,10 @@ pub struct CurveReport {
     /// Number of points left out because they are not finite.
     #[cfg_attr(feature = "serde", serde(rename = "points_dropped"))]
     pub dropped: usize,
-    /// Number of points that count at the end.
+    /// Number of points so far from all others that no curve can be fitted to them; they count as points that are far away.
+    #[cfg_attr(feature = "serde", serde(rename = "points_astray"))]
+    pub astray: usize,
+    /// Number of points that count at the end; others only if outliers are to be left out.
     #[cfg_attr(feature = "serde", serde(rename = "points_used"))]
     pub used: usize,
     /// Number of control points (those that repeat counted once).
@@ -91,7 +94,7 @@ pub struct CurveReport {
     pub controls: usize,
     /// Degree.
     pub degree: usize,
-    /// Root mean square of the orthogonal distances of the points.
+    /// Root mean square of the orthogonal distances of the points that count.
     pub rms: f64,
     /// The largest one.
     pub max: f64,
@@ -104,10 +107,17 @@ pub struct CurveReport {
     /// Whether all of them are.
     #[cfg_attr(feature = "serde", serde(rename = "within_tolerance"))]
     pub reached: Option<bool>,
+    /// The curve seen from the points, and the other way round.
+    pub coverage: CurveCoverage,
+    /// Whether every part of the curve is near to points, and every point that counts near to the curve.
+    pub covered: bool,
     /// Factor of the energy at the end.
     pub lambda: f64,
     /// Number of iterations of all runs.
     pub iterations: usize,
+    /// Number of steps of the runs that were kept whose matrix was lifted to be positive definite: with the Taylor model and without control
+    /// of steps these are no literal Newton steps.
+    pub steps_lifted: usize,
     /// The runs.
     pub stages: Vec<StageRecord>,
     /// Parameters at which the curve crosses itself (plane curves).
@@ -116,7 +126,130 @@ pub struct CurveReport {
     pub history: Vec<StepRecord>,
 }
 
+impl Default for CurveReport {
+    fn default() -> Self {
+        Self {
+            status: Status::Converged,
+            closed: false,
+            closure: Closure::Asked,
+            start: CurveStart::Given,
+            points: 0,
+            dropped: 0,
+            astray: 0,
+            used: 0,
+            controls: 0,
+            degree: 0,
+            rms: 0.0,
+            max: 0.0,
+            max_index: 0,
+            tolerance: None,
+            share_within: None,
+            reached: None,
+            coverage: CurveCoverage::default(),
+            covered: true,
+            lambda: 0.0,
+            iterations: 0,
+            steps_lifted: 0,
+            stages: Vec::new(),
+            crossings: Vec::new(),
+            history: Vec::new(),
+        }
+    }
+}
+
 impl CurveReport {
+    /// Several curves in one report: numbers of all, the worst status, places and parameters of the curve on which they are.
+    ///
+    /// That of the only one, if there is one only; nothing, converged, for none.
+    #[must_use]
+    pub fn together(reports: &[Self]) -> Self {
+        let worst = reports.iter().max_by_key(|r| {
+            (matches!(r.status, Status::Diverged | Status::Singular | Status::Cancelled), !r.is_converged())
+        });
+        let furthest = reports.iter().max_by(|a, b| a.max.total_cmp(&b.max));
+        let (Some(first), Some(worst), Some(furthest)) = (reports.first(), worst, furthest) else {
+            return Self::default();
+        };
+        if reports.len() == 1 {
+            return first.clone();
+        }
+        let sum = |f: fn(&Self) -> usize| reports.iter().map(f).sum::<usize>();
+        let used = sum(|r| r.used).max(1) as f64;
+        let mean = |f: fn(&Self) -> f64| reports.iter().map(|r| f(r) * r.used as f64).sum::<f64>() / used;
+        let tolerance = first.tolerance;
+        let reached = tolerance.map(|_| reports.iter().all(|r| r.reached == Some(true)));
+        Self {
+            status: worst.status,
+            closed: reports.iter().all(|r| r.closed),
+            closure: first.closure,
+            start: first.start,
+            points: sum(|r| r.points),
+            dropped: sum(|r| r.dropped),
+            astray: sum(|r| r.astray),
+            used: sum(|r| r.used),
+            controls: sum(|r| r.controls),
+            degree: reports.iter().map(|r| r.degree).max().unwrap_or(0),
+            rms: mean(|r| r.rms * r.rms).sqrt(),
+            max: furthest.max,
+            max_index: furthest.max_index,
+            tolerance,
+            share_within: tolerance.map(|_| mean(|r| r.share_within.unwrap_or(0.0))),
+            reached,
+            covered: reports.iter().all(|r| r.covered),
+            coverage: CurveCoverage::together(&reports.iter().map(|r| &r.coverage).collect::<Vec<_>>()),
+            lambda: worst.lambda,
+            iterations: sum(|r| r.iterations),
+            steps_lifted: sum(|r| r.steps_lifted),
+            stages: reports.iter().flat_map(|r| r.stages.clone()).collect(),
+            crossings: reports.iter().flat_map(|r| r.crossings.clone()).collect(),
+            history: reports.iter().flat_map(|r| r.history.clone()).collect(),
+        }
+    }
+
+    /// Whether this curve is the better one of two for the same points: it stays with them, reaches the tolerance, crosses itself less often, is nearer.
+    pub(crate) fn is_better_than(&self, other: &Self) -> bool {
+        let faults = |r: &Self| {
+            let lost = matches!(r.status, Status::Diverged | Status::Singular);
+            (lost, !r.covered, r.reached == Some(false), r.crossings.len())
+        };
+        let (own, others) = (faults(self), faults(other));
+        own < others || own == others && self.rms < other.rms
+    }
+
+    /// Where curve and points are not near to each other, if anywhere.
+    #[must_use]
+    pub fn fault(&self) -> Option<String> {
+        let coverage = &self.coverage;
+        if self.covered {
+            return None;
+        }
+        if coverage.spread_out {
+            return Some(format!(
+                "the points spread {:.4e} (rms) about a curve of length {:.4e}: they do not lie on a curve",
+                self.rms, coverage.length
+            ));
+        }
+        if let Some(stretch) = coverage.without_data.first() {
+            return Some(format!(
+                "{:.4e} of the curve ({:.1} spacings of the points) has no points between t = {} and {}, near {}{}",
+                stretch.length,
+                stretch.length / coverage.spacing.max(f64::MIN_POSITIVE),
+                stretch.from,
+                stretch.to,
+                place(&stretch.place),
+                if coverage.without_data.len() > 1 {
+                    format!(", and {} other parts", coverage.without_data.len() - 1)
+                } else {
+                    String::new()
+                }
+            ));
+        }
+        Some(format!(
+            "{} of {} points are further from the curve than {:.4e}, what spacing and noise explain; point {} (from 0) by {:.4e}",
+            coverage.points_far, self.points, coverage.distance_limit, self.max_index, self.max
+        ))
+    }
+
     /// Whether the curve is a local minimum.
     #[must_use]
     pub fn is_converged(&self) -> bool {
@@ -139,8 +272,17 @@ impl std::fmt::Display for CurveReport {
         if !self.crossings.is_empty() {
             write!(f, "; crosses itself {} times", self.crossings.len())?;
         }
-        Ok(())
+        match self.fault() {
+            Some(fault) => write!(f, "; {fault}"),
+            None => Ok(()),
+        }
     }
+}
+
+/// A place for people.
+fn place(coordinates: &[f64]) -> String {
+    let list: Vec<String> = coordinates.iter().map(|c| format!("{c:.6}")).collect();
+    format!("({})", list.join(", "))
 }
 
 /// The foot of a point on the fitted curve.

@@ -1,10 +1,15 @@
 //! Curves to start from.
 
 use super::front;
+use super::nodes::principal;
 use super::options::CurveOptions;
-use super::path::{Path, along_order, is_ordered, principal, through_cloud, through_points};
+use super::parts::Asked;
+use super::path::{Path, along_order, is_ordered, through};
 use super::report::{Closure, CurveStart};
+use super::shortest::shortest;
 use crate::Error;
+use crate::options::Robust;
+use distance_field::quantile_in_place;
 use nalgebra::{DMatrix, SVector};
 use nurbs_core::{BsplineCurve, CurveFitOptions, Interval, KnotVector, ParametricCurve};
 
@@ -14,6 +19,10 @@ const LINE: f64 = 1e-9;
 /// the points along their main axis.
 const SCATTER: f64 = 3.0;
 const FAITHFUL: f64 = 1e-2;
+/// Share of the distances that the standard deviation does not exceed, and what lies off the path, in units of that and of the spacing.
+const DEVIATION: f64 = 0.6827;
+const OUTLYING: f64 = 6.0;
+const SPACINGS: f64 = 1.0;
 /// Times that knots are inserted for that, and share of the largest distance up to which it is done where their number is given.
 const ROUNDS: usize = 24;
 const WORST: f64 = 0.3;
@@ -27,14 +36,39 @@ pub(crate) struct Layout<const D: usize> {
     pub(crate) kind: CurveStart,
     pub(crate) closed: bool,
     pub(crate) closure: Closure,
+    /// Whether the points show no path.
+    pub(crate) lost: bool,
     path: Option<Path<D>>,
     axes: Vec<(SVector<f64, D>, f64)>,
     centre: SVector<f64, D>,
 }
 
 impl<const D: usize> Layout<D> {
-    /// Looks at points of which at least two differ.
-    pub(crate) fn new(points: &[SVector<f64, D>], options: &CurveOptions) -> Result<Self, Error> {
+    /// Looks at points of which at least two differ, along the path that is the shortest.
+    pub(crate) fn shortest(points: &[SVector<f64, D>], options: &CurveOptions) -> Result<Self, Error> {
+        Self::along(points, options, || Ok(shortest(points)))
+    }
+
+    /// Looks at points of which at least two differ, along a path that goes straight on where it can.
+    ///
+    /// # Errors
+    /// [`Error::SeveralParts`] where there are several.
+    pub(crate) fn straight(points: &[SVector<f64, D>], options: &CurveOptions) -> Result<Self, Error> {
+        Self::along(points, options, || {
+            let mut paths = paths(points, options);
+            if paths.len() > 1 {
+                let sizes = members(points, &paths).iter().map(Vec::len).collect();
+                return Err(Error::SeveralParts { sizes });
+            }
+            Ok(paths.pop())
+        })
+    }
+
+    fn along(
+        points: &[SVector<f64, D>],
+        options: &CurveOptions,
+        path: impl FnOnce() -> Result<Option<Path<D>>, Error>,
+    ) -> Result<Self, Error> {
         let (centre, axes) = axes(points);
         let (length, width) = (axes.first().map_or(0.0, |a| a.1), axes.get(1).map_or(0.0, |a| a.1));
         if length <= 0.0 {
@@ -50,7 +84,7 @@ impl<const D: usize> Layout<D> {
             let ends: Vec<_> = sorted.first().into_iter().chain(sorted.last()).copied().collect();
             let path = Path { nodes: ends, gap: f64::INFINITY, gap_limit: 0.0, ordered: false };
             let kind = CurveStart::Line;
-            return Ok(Self { kind, closed: false, closure, path: Some(path), axes, centre });
+            return Ok(Self { kind, closed: false, closure, lost: false, path: Some(path), axes, centre });
         }
         if options.search {
             if options.closed == Some(false) {
@@ -66,16 +100,13 @@ impl<const D: usize> Layout<D> {
                 kind: CurveStart::Contour,
                 closed: true,
                 closure: Closure::Asked,
+                lost: false,
                 path,
                 axes,
                 centre,
             });
         }
-        let path = if is_ordered(points) {
-            Some(along_order(points))
-        } else {
-            through_points(points).or_else(|| through_cloud(points))
-        };
+        let path = path()?;
         let kind = match &path {
             Some(path) if path.ordered => CurveStart::Order,
             Some(_) => CurveStart::Skeleton,
@@ -88,7 +119,12 @@ impl<const D: usize> Layout<D> {
             (None, None) => (true, Closure::Gap { gap: 0.0, limit: 0.0 }),
         };
         let kind = if kind == CurveStart::Ellipse && !closed { CurveStart::Line } else { kind };
-        Ok(Self { kind, closed, closure, path, axes, centre })
+        Ok(Self { kind, closed, closure, lost: path.is_none(), path, axes, centre })
+    }
+
+    /// Whether the path is the same.
+    pub(crate) fn is_along(&self, other: &Self) -> bool {
+        self.path == other.path && self.closed == other.closed
     }
 
     /// The same cloud seen as one without a path.
@@ -109,6 +145,23 @@ impl<const D: usize> Layout<D> {
     pub(crate) fn nearness(&self, points: &[SVector<f64, D>]) -> f64 {
         let size = self.axes.first().map_or(0.0, |a| a.1);
         self.scatter(points).max(FAITHFUL * size)
+    }
+
+    /// The points but for those that lie much further from the path than most; all of them without one.
+    pub(crate) fn inliers(&self, points: &[SVector<f64, D>]) -> Vec<SVector<f64, D>> {
+        let Some(path) = self.path.as_ref().filter(|_| self.kind != CurveStart::Line) else {
+            return points.to_vec();
+        };
+        let distances = crate::parallel::map(points.len(), |i| path.distance(&points[i]));
+        let spread = quantile_in_place(&mut distances.clone(), DEVIATION);
+        let spacing = path.lengths(self.closed).1 / points.len() as f64;
+        let limit = OUTLYING * spread + SPACINGS * spacing;
+        points.iter().zip(distances).filter(|(_, d)| *d <= limit).map(|(p, _)| *p).collect()
+    }
+
+    /// How often the path crosses itself.
+    pub(crate) fn crossings(&self) -> usize {
+        self.path.as_ref().map_or(0, |path| path.crossings(self.closed))
     }
 
     /// How far from the path points lie.
@@ -236,6 +289,25 @@ impl<const D: usize> Layout<D> {
         points.extend_from_within(..knots.basis_count() - count);
         Ok(BsplineCurve::new(knots, points, None)?)
     }
+}
+
+/// The paths along points, none of them if there are none.
+pub(super) fn paths<const D: usize>(points: &[SVector<f64, D>], options: &CurveOptions) -> Vec<Path<D>> {
+    let outliers = options.fit.robust != Robust::None;
+    let asked = Asked { closed: options.closed, gap: options.max_gap, outliers };
+    let ordered = if is_ordered(points) { along_order(points, asked) } else { None };
+    ordered.or_else(|| through(points, asked)).unwrap_or_default()
+}
+
+/// For each path the points that are nearest to it.
+pub(super) fn members<const D: usize>(points: &[SVector<f64, D>], paths: &[Path<D>]) -> Vec<Vec<usize>> {
+    let nearest = crate::parallel::map(points.len(), |i| {
+        let distance = |k: &usize| paths[*k].distance(&points[i]);
+        (0..paths.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
+    });
+    let mut out = vec![Vec::new(); paths.len()];
+    nearest.into_iter().enumerate().for_each(|(i, k)| out[k].push(i));
+    out
 }
 
 /// The mean of points and their principal axes with the standard deviation along each, the longest first.

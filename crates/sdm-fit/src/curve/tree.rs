@@ -2,72 +2,44 @@
 
 use nalgebra::SVector;
 
-/// For each node its neighbours in the minimum spanning tree (Prim's algorithm), with their distances.
-fn tree<const D: usize>(nodes: &[SVector<f64, D>]) -> Vec<Vec<(usize, f64)>> {
-    let n = nodes.len();
-    let mut tree: Vec<Vec<(usize, f64)>> = vec![Vec::new(); n];
-    let mut nearest = vec![(f64::INFINITY, 0); n];
-    let mut inside = vec![false; n];
-    let mut current = 0;
-    for _ in 1..n {
-        inside[current] = true;
-        let mut next = (f64::INFINITY, usize::MAX);
-        for i in 0..n {
-            if inside[i] {
-                continue;
-            }
-            let length = (nodes[i] - nodes[current]).norm();
-            if length < nearest[i].0 {
-                nearest[i] = (length, current);
-            }
-            if nearest[i].0 < next.0 {
-                next = (nearest[i].0, i);
-            }
-        }
-        if next.1 == usize::MAX {
-            break;
-        }
-        let (length, from) = nearest[next.1];
-        tree[from].push((next.1, length));
-        tree[next.1].push((from, length));
-        current = next.1;
-    }
-    tree
+/// Points that are connected.
+pub(super) struct Groups {
+    parent: Vec<usize>,
 }
 
-/// The length of the minimum spanning tree.
-pub(super) fn tree_length<const D: usize>(nodes: &[SVector<f64, D>]) -> f64 {
-    // Each edge is listed at both ends.
-    tree(nodes).iter().flatten().map(|(_, length)| length).sum::<f64>() / 2.0
+impl Groups {
+    pub(super) fn new(count: usize) -> Self {
+        Self { parent: (0..count).collect() }
+    }
+
+    /// The first point of a group, the same for all of its points.
+    pub(super) fn first(&mut self, mut i: usize) -> usize {
+        while self.parent[i] != i {
+            self.parent[i] = self.parent[self.parent[i]];
+            i = self.parent[i];
+        }
+        i
+    }
+
+    /// Connects two points; whether they were not connected.
+    pub(super) fn connect(&mut self, i: usize, j: usize) -> bool {
+        let (a, b) = (self.first(i), self.first(j));
+        self.parent[a.max(b)] = a.min(b);
+        a != b
+    }
 }
 
-/// The longest path in the minimum spanning tree (twice the furthest node).
-pub(super) fn longest_path<const D: usize>(nodes: &[SVector<f64, D>]) -> Vec<usize> {
-    let tree = tree(nodes);
-    let (end, _) = furthest(&tree, 0);
-    let (other, before) = furthest(&tree, end);
-    let mut path = vec![other];
-    let mut at = other;
-    while at != end {
-        at = before[at];
-        path.push(at);
+/// The edges of the shortest forest among edges to neighbours (Kruskal's algorithm), the shortest first, with their lengths.
+pub(super) fn shortest_forest<const D: usize>(
+    points: &[SVector<f64, D>],
+    near: &[Vec<usize>],
+) -> Vec<(usize, usize, f64)> {
+    let mut edges: Vec<(usize, usize, f64)> = Vec::new();
+    for (i, near) in near.iter().enumerate() {
+        edges.extend(near.iter().map(|&j| (i.min(j), i.max(j), (points[i] - points[j]).norm())));
     }
-    path
-}
-
-/// The node furthest from another along the tree, and for each node the one before on the way.
-fn furthest(tree: &[Vec<(usize, f64)>], from: usize) -> (usize, Vec<usize>) {
-    let mut before = vec![from; tree.len()];
-    let mut best = (0.0, from);
-    let mut stack = vec![(from, from, 0.0)];
-    while let Some((node, parent, length)) = stack.pop() {
-        before[node] = parent;
-        if length > best.0 {
-            best = (length, node);
-        }
-        for &(next, edge) in tree[node].iter().filter(|(next, _)| *next != parent) {
-            stack.push((next, node, length + edge));
-        }
-    }
-    (best.1, before)
+    edges.sort_by(|a, b| a.2.total_cmp(&b.2).then((a.0, a.1).cmp(&(b.0, b.1))));
+    let mut groups = Groups::new(points.len());
+    edges.retain(|&(i, j, _)| groups.connect(i, j));
+    edges
 }

@@ -115,6 +115,7 @@ impl<const D: usize, S: ActiveShape<D>> Run<'_, D, S> {
             let factor = self.layout.factor::<D>(&normal.matrix, energy, total, &self.side.freedom);
             let step = factor.and_then(|f| self.side.solve(&f, vector, self.shape.coefficients()));
             if step.is_some() {
+                self.lifted = lift > LEAST;
                 return step;
             }
             // Not positive definite: the Taylor model away from a minimum, or rounding.

@@ -138,6 +138,7 @@ pub(super) fn improved(
             evaluations: 1,
             samples: points.len(),
             coefficients: unknowns.weight_count(),
+            lifted: false,
         };
         steps.push(record);
         let still = place.cost - trial.cost <= 1e-9 * place.cost;

@@ -6,6 +6,7 @@ mod curve_cases;
 mod curve_narrow;
 mod curve_search;
 mod curve_terms;
+mod curve_two_sided;
 mod curves;
 mod exact;
 mod level_sets;

@@ -1,0 +1,103 @@
+//! How far a fitted curve and the true one are apart, in both directions, by code that shares nothing with the fit.
+
+use crate::truths::Truth;
+use nalgebra::Vector2;
+use std::collections::HashMap;
+
+/// Samples of a fitted curve per span.
+const PER_SPAN: usize = 60;
+/// Allowed distance in spacings, and in standard deviations of the noise.
+const NEAR: f64 = 3.0;
+
+/// A B-spline curve by its numbers, the control points that repeat included.
+pub(crate) struct Spline {
+    pub(crate) degree: usize,
+    pub(crate) knots: Vec<f64>,
+    pub(crate) controls: Vec<Vector2<f64>>,
+}
+
+impl Spline {
+    /// The point at a parameter, by the triangle of de Boor.
+    fn point(&self, span: usize, t: f64) -> Vector2<f64> {
+        let p = self.degree;
+        let mut d: Vec<Vector2<f64>> = self.controls[span - p..=span].to_vec();
+        for r in 1..=p {
+            for j in (r..=p).rev() {
+                let i = span - p + j;
+                let (low, high) = (self.knots[i], self.knots[i + p + 1 - r]);
+                let share = if high > low { (t - low) / (high - low) } else { 0.0 };
+                d[j] = d[j - 1] * (1.0 - share) + d[j] * share;
+            }
+        }
+        d[p]
+    }
+
+    fn places(&self) -> Vec<Vector2<f64>> {
+        let mut out = Vec::new();
+        for span in self.degree..self.controls.len() {
+            let (low, high) = (self.knots[span], self.knots[span + 1]);
+            if high > low {
+                let at = |k: usize| low + (high - low) * k as f64 / PER_SPAN as f64;
+                out.extend((0..=PER_SPAN).map(|k| self.point(span, at(k))));
+            }
+        }
+        out
+    }
+}
+
+/// Points in the cells of a grid, to find the nearest one of many by looking around.
+struct Cells {
+    size: f64,
+    cells: HashMap<[i64; 2], Vec<Vector2<f64>>>,
+}
+
+impl Cells {
+    fn new(points: impl Iterator<Item = Vector2<f64>>, size: f64) -> Self {
+        let mut cells: HashMap<[i64; 2], Vec<Vector2<f64>>> = HashMap::new();
+        for p in points {
+            cells.entry(Self::key(&p, size)).or_default().push(p);
+        }
+        Self { size, cells }
+    }
+
+    #[expect(clippy::cast_possible_truncation, reason = "small numbers of cells")]
+    fn key(p: &Vector2<f64>, size: f64) -> [i64; 2] {
+        [(p.x / size).floor() as i64, (p.y / size).floor() as i64]
+    }
+
+    /// Distance of the nearest point, or a lower bound of it beyond some cells.
+    fn distance(&self, p: &Vector2<f64>) -> f64 {
+        let [i, j] = Self::key(p, self.size);
+        for reach in 1..40_i64 {
+            let mut best = f64::INFINITY;
+            for a in -reach..=reach {
+                for b in -reach..=reach {
+                    let found = self.cells.get(&[i + a, j + b]).into_iter().flatten();
+                    best = found.map(|q| (q - p).norm()).fold(best, f64::min);
+                }
+            }
+            if best <= self.size * reach as f64 {
+                return best;
+            }
+        }
+        39.0 * self.size
+    }
+}
+
+/// The largest distance between fitted curves and the truth, in both directions, and what is allowed.
+///
+/// Allowed are three spacings of the points or three standard deviations of the noise; where random points happen to leave a larger hole, as far as the
+/// truth in it is from them.
+pub(crate) fn distance(truth: &Truth, points: &[Vector2<f64>], sigma: f64, fitted: &[Spline]) -> [f64; 2] {
+    let spacing = truth.length() / points.len() as f64;
+    let cell = (0.02 * truth.size()).max(2.0 * spacing);
+    let all = || truth.pieces.iter().flatten().copied();
+    let data = Cells::new(points.iter().copied(), cell);
+    let widest = all().step_by(7).map(|p| data.distance(&p)).fold(0.0, f64::max);
+    let allowed = (NEAR * sigma).max(NEAR * spacing).max(widest);
+    let found: Vec<Vector2<f64>> = fitted.iter().flat_map(Spline::places).collect();
+    let (truths, curves) = (Cells::new(all(), cell), Cells::new(found.iter().copied(), cell));
+    let there = found.iter().map(|p| truths.distance(p)).fold(0.0, f64::max);
+    let back = all().map(|p| curves.distance(&p)).fold(0.0, f64::max);
+    [there.max(back), allowed]
+}
