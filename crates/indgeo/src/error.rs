@@ -48,12 +48,6 @@ pub(crate) enum Error {
         /// What is wrong.
         source: mesh::Error,
     },
-    /// A CAD file cannot be read.
-    #[error("{source}")]
-    Cad {
-        /// What the reader says.
-        source: cad::Error,
-    },
     /// Several files cannot be read; each says why.
     #[error("{}", errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("\nerror: "))]
     Files {

@@ -138,7 +138,6 @@ impl RegistrationModel {
             Self::Curves(curves) => curves.len(),
             Self::Mesh(mesh) => mesh.triangles().len(),
             Self::Cloud(cloud) | Self::PlanarCloud(cloud) => cloud.len(),
-            Self::Cloud(cloud) => cloud.len(),
             Self::Cad(cad) => cad.face_count(),
         }
     }

@@ -78,10 +78,8 @@ impl Route {
         } else {
             let Some(strip) = Strip::unfold(mesh, &merged) else { return false };
             let bends = strip.bends(mesh, &merged);
-            if let [bend] = bends.as_slice() {
-                if bend.vertex == self.vertices[i] {
-                    return false;
-                }
+            if matches!(bends.as_slice(), [bend] if bend.vertex == self.vertices[i]) {
+                return false;
             }
             let mut places = vec![(0, from)];
             places.extend(bends.iter().map(|bend| (bend.portal, bend.vertex)));

@@ -296,6 +296,7 @@ fn inspect(
     let angle = args.max_angle.filter(|angle| *angle < 180.0).map(f64::to_radians);
     let job = inspecting::Job {
         model: &args.model,
+        cad: &args.cad,
         points: &args.points,
         motion: Motion::Known(Transform::of_pose(pose)),
         page: args.report.as_deref(),

@@ -113,10 +113,11 @@ fn on_mesh(
     report: &mut Report,
     timings: &mut Timings,
 ) -> Result<GeodesicResults, Error> {
-    if let Some(path) = job.out {
-        if !matches!(files::extension(path).as_str(), "csv" | "ply") && !files::is_stream(path) {
-            return Err(Error::content(path, "distances are CSV or PLY", "choose .csv or .ply"));
-        }
+    if let Some(path) = job.out
+        && !matches!(files::extension(path).as_str(), "csv" | "ply")
+        && !files::is_stream(path)
+    {
+        return Err(Error::content(path, "distances are CSV or PLY", "choose .csv or .ply"));
     }
     if let Some(path) = job.picture {
         picture::check(path)?;
@@ -278,10 +279,11 @@ fn on_surface(
         let what = "pictures are drawn of distances on meshes";
         return Err(Error::usage(what, "leave out --picture, or write a mesh with `indgeo convert`"));
     }
-    if let Some(path) = job.out {
-        if files::extension(path) != "csv" && !files::is_stream(path) {
-            return Err(Error::content(path, "curves are CSV", "choose .csv"));
-        }
+    if let Some(path) = job.out
+        && files::extension(path) != "csv"
+        && !files::is_stream(path)
+    {
+        return Err(Error::content(path, "curves are CSV", "choose .csv"));
     }
     let (from, to) = (parameters(from)?, parameters(to)?);
     let found = Timings::measure(&mut timings.compute, || {

@@ -90,10 +90,11 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<(), Error> {
     for path in [job.out, job.picture].into_iter().flatten() {
         files::check_writable(path, &[job.mesh, job.regions])?;
     }
-    if let Some(path) = job.out {
-        if !matches!(files::extension(path).as_str(), "csv" | "ply") && !files::is_stream(path) {
-            return Err(Error::content(path, "regions are PLY or CSV", "choose .ply or .csv"));
-        }
+    if let Some(path) = job.out
+        && !matches!(files::extension(path).as_str(), "csv" | "ply")
+        && !files::is_stream(path)
+    {
+        return Err(Error::content(path, "regions are PLY or CSV", "choose .ply or .csv"));
     }
     if let Some(path) = job.picture {
         picture::check(path)?;

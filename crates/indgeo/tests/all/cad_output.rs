@@ -53,7 +53,7 @@ fn what_has_no_effect_or_cannot_be_is_refused() {
         ("convert square.json other.json --name x", "--name has no effect"),
         ("convert square.json other.step --unit furlong", "choose mm, cm"),
         ("convert cloud.xyz other.step", "fit a surface first"),
-        ("convert square.igs other.step --unit m", "states no unit; this one is in mm"),
+        ("convert square.igs other.step --unit m", "state no unit; this one is in mm"),
         ("convert square.igs other.stl", "choose .step or .igs"),
         ("fit-surface cloud.xyz -o other.json --unit mm", "--unit has no effect"),
         ("fit-curve cloud.xyz --points-out f.csv --name x", "--name has no effect without -o"),

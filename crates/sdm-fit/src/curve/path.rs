@@ -304,30 +304,6 @@ mod tests {
         assert!(!single(through(&shuffled(&arc(200, 4.0)), ANY)).is_closed());
     }
 
-    /// A thin section, its points dense at the ends and wide apart on the sides, as far as these are from each other.
-    fn thin_section(n: usize) -> Vec<Vector2<f64>> {
-        let angle = |i: usize| std::f64::consts::TAU * i as f64 / n as f64;
-        let slowed = |a: f64| a - 0.49 * (2.0 * a).sin();
-        (0..n).map(angle).map(slowed).map(|a| Vector2::new(20.0 * a.cos(), a.sin())).collect()
-    }
-
-    #[test]
-    fn narrow_rings_with_uneven_points_are_followed() {
-        let ring = thin_section(100);
-        let path = single(through(&shuffled(&ring), ANY));
-        assert!(path.is_closed() && path.nodes.len() == ring.len(), "{} {}", path.gap, path.gap_limit);
-        // In the order of the ring, one way or the other, from some point on.
-        let place = |p: &Vector2<f64>| ring.iter().position(|q| p == q).unwrap();
-        let order: Vec<usize> = path.nodes.iter().map(place).collect();
-        let steps = order.iter().zip(order.iter().cycle().skip(1)).map(|(a, b)| (b + 100 - a) % 100);
-        let steps: Vec<usize> = steps.collect();
-        assert!(steps.iter().all(|&s| s == steps[0]) && [1, 99].contains(&steps[0]), "{steps:?}");
-        // Without a side it is open.
-        let open: Vec<_> = ring.iter().filter(|p| p.y > -0.2).copied().collect();
-        let path = single(through(&open, ANY));
-        assert!(!path.is_closed(), "{} {}", path.gap, path.gap_limit);
-    }
-
     #[test]
     fn a_thick_ring_is_followed_and_a_disc_is_none() {
         let spread = |i: u32, step: f64| (f64::from(i) * step).fract() - 0.5;

@@ -49,7 +49,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// The placement as JSON: what a program needs to unroll the bolt.
 fn describe(placement: &Placement, rms: f64) -> Result<String, serde_json::Error> {
-    let vector = |v: &industrial_geometry::nurbs::nalgebra::Vector3<f64>| [v.x, v.y, v.z];
+    let vector = |v: &nalgebra::Vector3<f64>| [v.x, v.y, v.z];
     let value = serde_json::json!({
         "unit": "mm",
         "origin": vector(&placement.origin),
