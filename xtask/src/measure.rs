@@ -115,9 +115,7 @@ const MEASUREMENTS: &[Measurement] = &[
         about: "Waves, roses, limacons, spirals, outlines with corners, two outlines: random points in no order, noise of 0 to 1 % of the \
                 diagonal, 0 to 5 % outliers, 150 to 20,000 points, by code that shares nothing with the fit. Wanted: curve and truth within \
                 three spacings or standard deviations of each other everywhere in 99 % of the runs; no run that claims what is not so.",
-        package: "sdm-fit",
-        features: "",
-        example: "two_sided_curves",
+        program: "two_sided_curves",
         arguments: &["3", "20000"],
         one_thread: false,
     },
