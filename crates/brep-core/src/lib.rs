@@ -46,6 +46,7 @@ mod foot;
 mod jets;
 mod model;
 mod nearest;
+mod parallel;
 mod part;
 mod samples;
 mod sign;

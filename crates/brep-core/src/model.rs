@@ -3,10 +3,10 @@
 use crate::Error;
 use crate::description::{LengthUnit, ModelDescription, Placement, Unread};
 use crate::foot::{Foot, On, Side};
+use crate::parallel;
 use crate::part::Part;
 use nalgebra::Vector3;
 use nurbs_core::Aabb;
-use rayon::prelude::*;
 
 /// A CAD model that answers queries.
 #[derive(Clone, Debug)]
@@ -39,7 +39,7 @@ impl Model {
     /// # Errors
     /// [`Error::Empty`] when nothing is left, [`Error::Description`] for indices of things that do not exist.
     pub fn new(description: &ModelDescription) -> Result<Self, Error> {
-        let built: Vec<_> = description.parts.par_iter().map(Part::new).collect();
+        let built: Vec<_> = parallel::map(&description.parts, Part::new);
         let mut unread = description.unread.clone();
         let mut parts = Vec::new();
         for part in built {
@@ -188,7 +188,7 @@ impl Model {
     /// The closest points of many, in parallel; `None` for points that are not finite.
     #[must_use]
     pub fn nearest_many(&self, points: &[Vector3<f64>]) -> Vec<Option<Foot>> {
-        points.par_iter().map(|x| self.nearest(x)).collect()
+        parallel::map(points, |x| self.nearest(x))
     }
 }
 

@@ -4,10 +4,10 @@ use crate::Error;
 use crate::description::PartDescription;
 use crate::edge::Edge;
 use crate::face::Face;
+use crate::parallel;
 use crate::tree::Tree;
 use nalgebra::Vector3;
 use nurbs_core::Aabb;
-use rayon::prelude::*;
 
 /// A part in its own coordinates.
 #[derive(Clone, Debug)]
@@ -151,7 +151,7 @@ impl Part {
                     })
                 })
                 .collect::<Result<_, _>>()?;
-            let built: Vec<_> = faces.par_iter().map(|face| self.face(face, places, index)).collect();
+            let built: Vec<_> = parallel::map(&faces, |face| self.face(face, places, index));
             for (face, built) in faces.iter().zip(built) {
                 match built {
                     Ok(built) => self.adopt(built),

@@ -59,10 +59,10 @@ fn run(name: &str, seeds: std::ops::Range<u64>) {
     for seed in seeds {
         let damaged = mutate(&text, seed);
         let start = Instant::now();
-        if let Ok(description) = read_step(&damaged) {
-            if let Ok(model) = Model::new(&description) {
-                let _ = model.nearest(&Vector3::new(1.0, 2.0, 3.0));
-            }
+        if let Ok(description) = read_step(&damaged)
+            && let Ok(model) = Model::new(&description)
+        {
+            let _ = model.nearest(&Vector3::new(1.0, 2.0, 3.0));
         }
         assert!(start.elapsed() < Duration::from_secs(5), "{name}, seed {seed}");
     }

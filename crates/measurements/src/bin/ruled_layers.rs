@@ -6,6 +6,7 @@
 //! model; sections lie in parallel planes across its axis. Prints distances of the sensor points of each approximation.
 
 use distance_field::{OffsetField, SurfaceField};
+use measurements::cases;
 use nalgebra::Vector3;
 use nurbs_core::{BsplineSurface, Interval, KnotVector, ParametricSurface};
 use sdm_fit::ruled::{RuledOptions, fit_ruled};

@@ -5,6 +5,7 @@
 //! With `quick`, squared distance minimisation only.
 
 use distance_field::ErrorTerm;
+use measurements::cases;
 use sdm_fit::{BaseShape, NetSize, Smoothing, SurfaceOptions, fit_surface, initial_surface};
 use std::time::Instant;
 
