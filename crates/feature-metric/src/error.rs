@@ -10,6 +10,12 @@ pub enum Error {
     /// A mesh without a triangle that has an area.
     #[error("the mesh has no triangle with different finite corners, so there is no surface to measure on")]
     NoSurface,
+    /// A mesh too small or too large to compute with: squares of its lengths would underflow or overflow.
+    #[error("the longest edge is {length}, but lengths must lie between 1e-70 and 1e70; scale the mesh")]
+    Magnitude {
+        /// Length of the longest edge.
+        length: f64,
+    },
     /// An option outside its range.
     #[error("option {name} is {value}, but must be {allowed}")]
     Option {

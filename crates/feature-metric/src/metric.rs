@@ -1,6 +1,10 @@
 //! The two metrics.
 
 use crate::Error;
+use std::ops::RangeInclusive;
+
+/// Lengths that can be computed with: their squares, and products of these, neither underflow nor overflow.
+pub(crate) const LENGTHS: RangeInclusive<f64> = 1e-70..=1e70;
 
 /// How lengths on a surface are measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,12 +29,12 @@ impl Metric {
     /// Checks the width.
     ///
     /// # Errors
-    /// [`Error::Option`] if it is negative or not finite.
+    /// [`Error::Option`] if it is negative, not finite, or beyond what can be computed with.
     pub fn validate(self) -> Result<(), Error> {
         let value = self.width();
-        if value.is_finite() && value >= 0.0 {
+        if value == 0.0 || LENGTHS.contains(&value) {
             return Ok(());
         }
-        Err(Error::Option { name: "width", value, allowed: "a length that is not negative" })
+        Err(Error::Option { name: "width", value, allowed: "0, or a length between 1e-70 and 1e70" })
     }
 }

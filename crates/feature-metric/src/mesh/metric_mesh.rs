@@ -2,6 +2,7 @@
 
 use super::fillets::Image;
 use super::wedges::Wedges;
+use crate::metric::LENGTHS;
 use crate::{Error, Metric};
 use mesh_core::{HalfEdge, HalfEdgeMesh, TriangleMesh};
 use nalgebra::Point3;
@@ -32,7 +33,7 @@ impl MetricMesh {
     /// A mesh with a metric.
     ///
     /// # Errors
-    /// [`Error::NoSurface`] without a triangle; [`Error::Option`] for a width that is negative or not finite;
+    /// [`Error::NoSurface`] without a triangle; [`Error::Magnitude`] for a mesh too small or too large; [`Error::Option`] for a width that is negative or not finite;
     /// [`Error::TooLarge`] when normals differ too much for the number of triangles.
     pub fn new(mesh: &TriangleMesh, metric: Metric) -> Result<Self, Error> {
         metric.validate()?;
@@ -59,8 +60,13 @@ impl MetricMesh {
             && defects.inconsistent_edges.is_empty()
             && defects.non_manifold_vertices.is_empty();
         let width = metric.width();
+        let in_space = lengths(&given, |a, b| (mesh.vertices()[a] - mesh.vertices()[b]).norm());
+        let longest = in_space.iter().copied().fold(0.0, f64::max);
+        if !LENGTHS.contains(&longest) {
+            return Err(Error::Magnitude { length: longest });
+        }
         if width == 0.0 {
-            let lengths = lengths(&given, |a, b| (mesh.vertices()[a] - mesh.vertices()[b]).norm());
+            let lengths = in_space;
             let of_vertex = first.iter().map(|&corner| vec![corner]).collect();
             let points = mesh.vertices().to_vec();
             return Ok(Self { connectivity: given, lengths, points, of_vertex, metric, is_manifold });

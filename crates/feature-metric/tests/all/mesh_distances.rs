@@ -232,6 +232,21 @@ fn what_cannot_be_measured_is_refused() {
     for width in [-1.0, f64::NAN, f64::INFINITY] {
         assert!(matches!(MetricMesh::new(&mesh, Metric::Feature { width }), Err(Error::Option { .. })));
     }
+    for scale in [1e-200, 1e-75, 1e75, 1e300] {
+        let scaled = mesh.vertices().iter().map(|x| x * scale).collect();
+        let scaled = TriangleMesh::new(scaled, mesh.triangles().to_vec()).unwrap();
+        assert!(
+            matches!(MetricMesh::new(&scaled, Metric::Euclidean), Err(Error::Magnitude { .. })),
+            "{scale}"
+        );
+    }
+    for scale in [1e-60, 1e60] {
+        let scaled = mesh.vertices().iter().map(|x| x * scale).collect();
+        let scaled = TriangleMesh::new(scaled, mesh.triangles().to_vec()).unwrap();
+        let (corner, far) = (nearest(&mesh, [0.0; 3]), nearest(&mesh, [1.0; 3]));
+        let found = distances(&scaled, Metric::Euclidean, corner, Method::Exact)[far] / scale;
+        assert!((found - 5.0f64.sqrt()).abs() < 1e-12, "{scale} {found}");
+    }
     let nothing = TriangleMesh::new(vec![Point3::origin(); 3], vec![[0, 1, 2]]).unwrap();
     assert!(matches!(MetricMesh::new(&nothing, Metric::Euclidean), Err(Error::NoSurface)));
     let metric_mesh = MetricMesh::new(&mesh, Metric::Euclidean).unwrap();
