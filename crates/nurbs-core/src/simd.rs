@@ -3,7 +3,9 @@
 //! Only plain additions, subtractions, multiplications and divisions are offered, no fused ones: every
 //! width of vector, and the single number, gives the same bits. The only file that knows `pulp`.
 
-use pulp::{Arch, Simd, WithSimd, bytemuck};
+#[cfg(not(debug_assertions))]
+use pulp::Arch;
+use pulp::{Simd, WithSimd, bytemuck};
 
 /// A way to compute on `COUNT` numbers at once.
 pub(crate) trait Lanes: Copy {
@@ -155,8 +157,12 @@ impl<K: Kernel> WithSimd for Adapter<K> {
     }
 }
 
-/// Runs a kernel with the widest vectors of the machine it runs on.
+/// Runs a kernel with the widest vectors of the machine it runs on. A debug build knows the plain ones only: the numbers are
+/// the same, and a kernel compiles once instead of three times.
 pub(crate) fn dispatch(kernel: impl Kernel) {
+    #[cfg(debug_assertions)]
+    Adapter(kernel).with_simd(pulp::Scalar);
+    #[cfg(not(debug_assertions))]
     match Arch::new() {
         #[cfg(target_arch = "x86_64")]
         Arch::V4(simd) => with_halves(simd, kernel),
@@ -164,7 +170,7 @@ pub(crate) fn dispatch(kernel: impl Kernel) {
     }
 }
 
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", any(test, not(debug_assertions))))]
 fn with_halves(simd: pulp::x86::V4, kernel: impl Kernel) {
     simd.vectorize(
         #[inline(always)]

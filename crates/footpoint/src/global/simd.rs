@@ -3,7 +3,7 @@
 //!
 //! Only plain sums, products and quotients are offered, no fused ones: every width gives the same bits.
 
-#[cfg(test)]
+#[cfg(any(test, debug_assertions))]
 pub(crate) use pulp::Scalar;
 pub(crate) use pulp::Simd;
 use pulp::bytemuck;
@@ -128,6 +128,16 @@ fn bits<M: bytemuck::NoUninit>(mask: &M) -> u32 {
     }
 }
 
+/// Runs work with the widest vector instructions of the machine. A debug build knows the plain ones only: the numbers are the
+/// same, and the search, which is inlined into every caller, compiles once instead of three times.
+#[inline]
+fn with_widest<W: pulp::WithSimd>(work: W) -> W::Output {
+    #[cfg(debug_assertions)]
+    return work.with_simd(Scalar);
+    #[cfg(not(debug_assertions))]
+    pulp::Arch::new().dispatch(work)
+}
+
 /// Runs `op` compiled for the widest vector instructions of the machine.
 ///
 /// Everything that `op` calls must be `#[inline(always)]` to profit. Only plain products and sums are
@@ -142,7 +152,7 @@ pub(crate) fn vectorized<R>(op: impl FnOnce() -> R) -> R {
             (self.0)()
         }
     }
-    pulp::Arch::new().dispatch(Op(op))
+    with_widest(Op(op))
 }
 
 /// Work that is written once for vectors of any width.
@@ -162,7 +172,7 @@ pub(crate) fn dispatch(task: impl Task) {
             self.0.run(simd);
         }
     }
-    pulp::Arch::new().dispatch(Op(task));
+    with_widest(Op(task));
 }
 
 #[cfg(test)]
