@@ -75,7 +75,7 @@ pub(crate) struct Boundary {
 /// A loop of edges as the description has it: index of the edge and whether it is run through forwards.
 pub(crate) type Turns<'a> = &'a [(usize, bool)];
 
-fn flip(p: Vector2<f64>) -> Vector2<f64> {
+pub(crate) fn flip(p: Vector2<f64>) -> Vector2<f64> {
     Vector2::new(p.y, p.x)
 }
 
@@ -260,8 +260,19 @@ impl Boundary {
         out
     }
 
+    /// The periods in the plane of the chords.
+    pub(crate) fn period(&self) -> [Option<f64>; 2] {
+        self.period
+    }
+
     /// The place of an edge in the plane of the chords, next to another one.
-    fn place(&self, surface: &Surface, edge: &Edge, t: f64, next_to: &Vector2<f64>) -> Vector2<f64> {
+    pub(crate) fn place(
+        &self,
+        surface: &Surface,
+        edge: &Edge,
+        t: f64,
+        next_to: &Vector2<f64>,
+    ) -> Vector2<f64> {
         let hint = if self.swap { flip(*next_to) } else { *next_to };
         let found = surface.invert(&edge.curve.point(t), Some(&hint)).at;
         if self.swap { flip(found) } else { found }

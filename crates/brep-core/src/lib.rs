@@ -50,6 +50,7 @@ mod parallel;
 mod part;
 mod samples;
 mod sign;
+mod tessellate;
 mod trace;
 mod tree;
 
@@ -60,3 +61,4 @@ pub use foot::{Foot, On, Side};
 pub use model::{Instance, Model};
 pub use part::{Part, Shell};
 pub use samples::{Picture, Sample};
+pub use tessellate::Tessellation;

@@ -97,51 +97,6 @@ impl Model {
         }
         out
     }
-
-    /// Triangles and lines that show the model, with about `count` cells. Faces end in steps at their edges: nothing is to
-    /// be measured on them.
-    #[must_use]
-    pub fn picture(&self, count: usize) -> Picture {
-        let mut out = Picture::default();
-        let faces: usize = self.instances().iter().map(|i| self.parts()[i.part].faces.len()).sum();
-        let each = (count as f64 / faces.max(1) as f64).max(64.0);
-        for instance in self.instances() {
-            let part = &self.parts()[instance.part];
-            for face in 0..part.faces.len() {
-                let (f, grid) = (&part.faces[face], part.grid(face, each));
-                let mut places = std::collections::BTreeMap::new();
-                for i in 0..grid.counts[0] {
-                    for j in 0..grid.counts[1] {
-                        if !part.is_inside(face, &grid.place(i as f64 + 0.5, j as f64 + 0.5)) {
-                            continue;
-                        }
-                        let mut corner = |i: usize, j: usize| {
-                            *places.entry((i, j)).or_insert_with(|| {
-                                let uv = grid.place(i as f64, j as f64);
-                                out.vertices.push(Sample {
-                                    point: instance.placement.point(&f.surface.point(&uv)),
-                                    normal: instance.placement.direction(&f.normal([uv.x, uv.y])),
-                                });
-                                u32::try_from(out.vertices.len() - 1).unwrap_or(u32::MAX)
-                            })
-                        };
-                        let [a, b, c, d] =
-                            [corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)];
-                        out.triangles.extend([[a, b, c], [a, c, d]]);
-                    }
-                }
-            }
-            for edge in &part.edges {
-                let [a, b] = edge.range;
-                let line = (0..=24).map(|k| {
-                    let s = f64::from(k) / 24.0;
-                    instance.placement.point(&edge.curve.point((1.0 - s) * a + s * b))
-                });
-                out.lines.push(line.collect());
-            }
-        }
-        out
-    }
 }
 
 impl Grid {

@@ -15,3 +15,4 @@ mod step;
 mod step_damage;
 #[cfg(feature = "step")]
 mod step_write;
+mod tessellation;
