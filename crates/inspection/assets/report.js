@@ -91,6 +91,19 @@
   model.frustumCulled = false;
   const world = new THREE.Scene();
   world.add(model, points);
+  // The edges of a CAD model, in front of the faces by a hair.
+  let edges = null;
+  if (scene.lines) {
+    const ends = new THREE.BufferGeometry();
+    ends.setAttribute("position", new THREE.BufferAttribute(new Uint16Array(bytes("lines")), 3, true));
+    edges = new THREE.LineSegments(ends, new THREE.ShaderMaterial({
+      blending: THREE.NoBlending,
+      vertexShader: "void main() { gl_Position = projectionMatrix * modelViewMatrix * vec4(position - 0.5, 1.0); gl_Position.z -= 2e-5 * gl_Position.w; }",
+      fragmentShader: "void main() { gl_FragColor = vec4(0.2, 0.22, 0.25, 1.0); }",
+    }));
+    edges.frustumCulled = false;
+    world.add(edges);
+  }
 
   const camera = new THREE.OrthographicCamera(-1, 1, 1, -1, -20, 20);
   const controls = new THREE.OrbitControls(camera, renderer.domElement);
@@ -171,6 +184,7 @@
     const half = (REACH - 1) / 2;
     camera.setViewOffset(view.clientWidth * ratio, view.clientHeight * ratio, x * ratio - half, y * ratio - half, REACH, REACH);
     points.material = picked; model.material = nothing;
+    if (edges) edges.visible = false;
     renderer.setRenderTarget(target);
     renderer.setClearColor(0, 0);
     renderer.clear();
@@ -178,6 +192,7 @@
     renderer.readRenderTargetPixels(target, 0, 0, REACH, REACH, pixels);
     renderer.setRenderTarget(null);
     points.material = shown; model.material = grey;
+    if (edges) edges.visible = model.visible;
     camera.clearViewOffset();
     let best = -1, nearest = Infinity;
     for (let j = 0; j < REACH; j++) for (let i = 0; i < REACH; i++) {
@@ -230,7 +245,7 @@
     left: [[-1, 0, 0], [0, 0, 1]], top: [[0, 0, 1], [0, 1, 0]], bottom: [[0, 0, -1], [0, 1, 0]] };
   for (const button of document.querySelectorAll("[data-view]"))
     button.addEventListener("click", () => { marked = null; look(...views[button.dataset.view]); });
-  $("model").addEventListener("change", (event) => { model.visible = event.target.checked; draw(); });
+  $("model").addEventListener("change", (event) => { model.visible = event.target.checked; if (edges) edges.visible = model.visible; draw(); });
   $("out").addEventListener("change", (event) => { uniforms.onlyOut.value = Number(event.target.checked); draw(); });
   $("bands").addEventListener("change", (event) => { uniforms.bands.value = Number(event.target.checked); draw(); });
   $("size").addEventListener("input", draw);

@@ -12,7 +12,7 @@ const MOST: usize = 200_000;
 /// Cells along the longest side of a mesh that is thinned.
 const CELLS: f64 = 250.0;
 
-/// Triangles with normals at their corners.
+/// Triangles with normals at their corners, and lines along edges.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Backdrop {
     /// Vertices.
@@ -21,6 +21,8 @@ pub struct Backdrop {
     pub normals: Vec<Vector3<f64>>,
     /// Corners of the triangles.
     pub triangles: Vec<[u32; 3]>,
+    /// Lines where faces of a CAD model end.
+    pub lines: Vec<Vec<Point3<f64>>>,
 }
 
 impl Backdrop {
@@ -45,10 +47,12 @@ impl Backdrop {
 
     /// Triangles near the faces of a CAD model.
     pub(crate) fn of_brep(model: &brep_core::Model) -> Self {
-        let picture = model.picture(MOST / 2);
+        let picture = model.picture(FINE * model.bounds().diagonal());
         let mut out = Self::default();
         let (vertices, normals) = picture.vertices.iter().map(|v| (Point3::from(v.point), v.normal)).unzip();
         out.append(vertices, normals, &picture.triangles);
+        out.lines =
+            picture.lines.into_iter().map(|line| line.into_iter().map(Point3::from).collect()).collect();
         out
     }
 

@@ -20,6 +20,8 @@ pub(super) struct Scene {
     /// Points shown are every n-th of the file, unless `indices` says that there is a list.
     pub(super) stride: usize,
     indices: bool,
+    /// Whether there are lines along edges.
+    lines: bool,
     lower: f64,
     target: f64,
     upper: f64,
@@ -74,6 +76,11 @@ pub(super) fn pack(page: &Page<'_>) -> Packed {
         ("normals", base64(&normals)),
         ("triangles", base64(&triangles.collect::<Vec<u8>>())),
     ];
+    if !backdrop.lines.is_empty() {
+        // Pairs of ends: a line is drawn from one to the other.
+        let ends = backdrop.lines.iter().flat_map(|line| line.windows(2)).flatten();
+        blobs.push(("lines", base64(&shares(ends.map(share)))));
+    }
     if listed {
         blobs.push((
             "indices",
@@ -90,6 +97,7 @@ pub(super) fn pack(page: &Page<'_>) -> Packed {
         high: ((high - origin) / side).into(),
         stride,
         indices: listed,
+        lines: !backdrop.lines.is_empty(),
         lower: limit(tolerance.lower),
         target: limit(tolerance.target()),
         upper: limit(tolerance.upper),
