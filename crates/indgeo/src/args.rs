@@ -71,6 +71,12 @@ impl Cli {
         Self::from_arg_matches(&matches).unwrap_or_else(|error| error.exit())
     }
 
+    /// What these arguments say, without the name of the program.
+    pub(crate) fn of_arguments(arguments: &[String]) -> Result<Self, clap::Error> {
+        let all = std::iter::once("indgeo").chain(arguments.iter().map(String::as_str));
+        Self::from_arg_matches(&Self::typed().try_get_matches_from(all)?)
+    }
+
     /// The parser of the command line, in which `-0.1` after an option is its value: what is wrong with it is then said.
     fn typed() -> clap::Command {
         Self::command().mut_subcommands(|command| {

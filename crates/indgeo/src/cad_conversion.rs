@@ -41,7 +41,7 @@ pub(crate) fn is_read_as_bytes(path: &Path) -> bool {
 }
 
 /// Reads a CAD file.
-fn read(bytes: &[u8], path: &Path) -> Result<(ModelDescription, &'static str), Error> {
+pub(crate) fn read(bytes: &[u8], path: &Path) -> Result<(ModelDescription, &'static str), Error> {
     #[cfg(feature = "step")]
     if is_step(bytes) {
         let model = read_step(bytes).map_err(|error| Error::cad(error, path))?;
@@ -56,14 +56,10 @@ pub(crate) fn run(
     input: &Path,
     bytes: &[u8],
     output: &Path,
-    format: Option<CadFormat>,
+    format: CadFormat,
     cad: &CadArgs,
     report: &mut Report,
 ) -> Result<Outcome, Error> {
-    let Some(format) = format else {
-        let what = "this is a CAD model, whose faces are bounded by loops";
-        return Err(Error::content(input, what, "choose .step or .igs for OUTPUT"));
-    };
     let (mut model, read_as) = Timings::measure(&mut report.timings.read, || read(bytes, input))?;
     let count = |of: fn(&PartDescription) -> usize| model.parts.iter().map(of).sum::<usize>();
     let shapes = count(|part| part.faces.len()) + count(|part| part.curves.len());
@@ -107,7 +103,7 @@ pub(crate) fn run(
 
 /// Says what was not read, one line for each kind and reason; returns how many of it are shapes of the model. Hidden shapes,
 /// free points and annotations are none.
-fn warn_unread(path: &Path, unread: &[Unread], report: &mut Report) -> usize {
+pub(crate) fn warn_unread(path: &Path, unread: &[Unread], report: &mut Report) -> usize {
     let is_aside = |why: &str| ["the file hides it", "a free point", "an annotation"].contains(&why);
     let mut kinds: BTreeMap<(&str, &str), (usize, u64)> = BTreeMap::new();
     for one in unread {

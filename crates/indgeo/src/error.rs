@@ -85,6 +85,15 @@ impl Error {
         Self::usage(format!("{} is {value}, it must be {allowed}", typed(name)), advice)
     }
 
+    /// Whether the operating system refused to read or write a file.
+    pub(crate) fn is_of_system(&self) -> bool {
+        match self {
+            Self::File { source } => matches!(source, io::Error::Io { .. }),
+            Self::Files { errors } => errors.iter().all(Self::is_of_system),
+            _ => false,
+        }
+    }
+
     /// A failed write to `path`.
     pub(crate) fn write(path: &Path, source: std::io::Error) -> Self {
         Self::File { source: io::Error::Io { path: path.to_path_buf(), action: "write", source } }

@@ -1,6 +1,7 @@
 //! Paths of files to be read and written, checked before any work is done.
 
 use crate::error::Error;
+use crate::memory;
 use industrial_geometry::io::{
     self, AtomicFile, Content, Format, Loaded, ReadOptions, WriteOptions, WriteReport,
 };
@@ -21,11 +22,17 @@ pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Loaded<Content>
     if is_stream(path) {
         return Ok(io::read_from(std::io::stdin().lock(), "standard input", options)?);
     }
-    Ok(io::read(path, options)?)
+    match memory::read(path, |bytes, name| io::read_from(bytes, name, options)) {
+        Some(read) => Ok(read?),
+        None => Ok(io::read(path, options)?),
+    }
 }
 
 /// The bytes of a file, or of standard input where it is called `-`.
 pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, Error> {
+    if let Some(bytes) = memory::read(path, |bytes, _| bytes.to_vec()) {
+        return Ok(bytes);
+    }
     let mut bytes = Vec::new();
     let read = if is_stream(path) {
         std::io::stdin().lock().read_to_end(&mut bytes).map(|_| bytes)
@@ -63,9 +70,25 @@ pub(crate) fn write(
     if is_stream(path) {
         return print(fill);
     }
+    check_going_on()?;
+    if memory::is_memory(path) {
+        let mut bytes = Vec::new();
+        fill(&mut bytes).map_err(|source| Error::write(path, source))?;
+        let count = bytes.len() as u64;
+        memory::keep(path, bytes);
+        return Ok(count);
+    }
     let mut file = AtomicFile::create(path)?;
     fill(&mut file).map_err(|source| Error::write(path, source))?;
     Ok(file.commit()?)
+}
+
+/// Makes sure that nobody asked to stop: what is not finished is not written.
+fn check_going_on() -> Result<(), Error> {
+    if memory::is_cancelled() {
+        return Err(Error::usage("cancelled", "nothing was written"));
+    }
+    Ok(())
 }
 
 /// Writes to standard output; returns the number of bytes.
@@ -107,8 +130,15 @@ pub(crate) fn write_content(
     content: &Content,
     options: &WriteOptions,
 ) -> Result<WriteReport, Error> {
-    if !is_stream(path) {
+    if !is_stream(path) && !memory::is_memory(path) {
+        check_going_on()?;
         return Ok(io::write(path, content, options)?);
+    }
+    if memory::is_memory(path) {
+        let mut bytes = Vec::new();
+        let report = io::write_to(&mut bytes, path, content, options)?;
+        memory::keep(path, bytes);
+        return Ok(report);
     }
     let usual = match content {
         Content::Cloud(_) => Format::Csv,
@@ -137,7 +167,7 @@ pub(crate) fn check_folder(path: &Path) -> Result<(), Error> {
 
 /// Makes sure that `path` can be written and is none of the inputs, and leaves everything as it was.
 pub(crate) fn check_writable(path: &Path, inputs: &[&Path]) -> Result<(), Error> {
-    if is_stream(path) {
+    if is_stream(path) || memory::is_memory(path) {
         return Ok(());
     }
     if inputs.iter().any(|input| is_same(path, input)) {

@@ -9,7 +9,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 use std::time::{Duration, Instant};
 
 /// Exit status of a program that was interrupted, by whatever signal: 128 and the number of SIGINT.
-const INTERRUPTED: u8 = 130;
+pub(crate) const INTERRUPTED: u8 = 130;
 /// How long the handler waits for a command that is writing its last words.
 const PATIENCE: Duration = Duration::from_secs(1);
 

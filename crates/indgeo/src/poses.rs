@@ -1,7 +1,7 @@
 //! Starting poses, as they come in JSON files.
 
 use crate::error::Error;
-use industrial_geometry::io;
+use crate::files;
 use industrial_geometry::register::Pose;
 use serde_json::Value;
 use std::path::Path;
@@ -17,9 +17,7 @@ const LISTS: [&str; 2] = ["views", "poses"];
 
 /// Reads one pose, or a list of poses: 4 × 4 matrices by rows, alone or as the value of `matrix`.
 pub(crate) fn read(path: &Path) -> Result<Vec<Pose<3>>, Error> {
-    let bytes = std::fs::read(path).map_err(|source| Error::File {
-        source: io::Error::Io { path: path.to_path_buf(), action: "read", source },
-    })?;
+    let bytes = files::read_bytes(path)?;
     let document: Value = serde_json::from_slice(&bytes)
         .map_err(|error| Error::content(path, format!("line {}: {error}", error.line()), ADVICE))?;
     parse(&document).map_err(|what| Error::content(path, what, ADVICE))

@@ -1,7 +1,10 @@
 //! Progress on the standard error stream, when it is a terminal.
 
+use crate::memory;
+use crate::watch::Watch;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::ops::ControlFlow;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
@@ -16,6 +19,8 @@ pub(crate) struct Progress {
     /// How a bar looks once it is known how much there is to do.
     template: &'static str,
     steps: AtomicUsize,
+    /// Who watches without a terminal.
+    watch: Option<Arc<Watch>>,
 }
 
 impl Progress {
@@ -43,11 +48,15 @@ impl Progress {
             bar.set_style(style);
         }
         bar.set_message(what);
-        bar.enable_steady_tick(Duration::from_millis(250));
-        Self { bar, what, template, steps: AtomicUsize::new(0) }
+        let watch = memory::watch();
+        match &watch {
+            Some(watch) => watch.begin(what),
+            None => bar.enable_steady_tick(Duration::from_millis(250)),
+        }
+        Self { bar, what, template, steps: AtomicUsize::new(0), watch }
     }
 
-    /// Tells how far the work is; never asks to stop.
+    /// Tells how far the work is; asks to stop where the one who watches does.
     pub(crate) fn report(&self, done: usize, total: usize) -> ControlFlow<()> {
         if total > 0 && self.bar.length() != Some(total as u64) {
             self.bar.set_length(total as u64);
@@ -59,13 +68,12 @@ impl Progress {
         if done as u64 > self.bar.position() {
             self.bar.set_position(done as u64);
         }
-        ControlFlow::Continue(())
+        self.flow(|watch| watch.count(done, total))
     }
 
-    /// Tells which iteration of how many is done, and something about it; never asks to stop.
+    /// Tells which iteration of how many is done, and something about it; asks to stop where the one who watches does.
     pub(crate) fn iteration(&self, number: usize, most: usize, about: &str) -> ControlFlow<()> {
-        self.bar.set_message(line(self.what, number, most, about));
-        ControlFlow::Continue(())
+        self.tell(line(self.what, number, most, about))
     }
 
     /// The same for iterations that have no numbers: they are counted here, from [`Progress::begin`].
@@ -73,11 +81,24 @@ impl Progress {
         self.iteration(self.steps.fetch_add(1, Ordering::Relaxed) + 1, most, about)
     }
 
-    /// Tells how far a part of the work is that has a name of its own; never asks to stop.
+    /// Tells how far a part of the work is that has a name of its own; asks to stop where the one who watches does.
     pub(crate) fn part(&self, what: &str, done: usize, total: usize) -> ControlFlow<()> {
         let how_far = if total > 0 { format!(", {done} of {total}") } else { String::new() };
-        self.bar.set_message(format!("{}: {what}{how_far}", self.what));
-        ControlFlow::Continue(())
+        self.tell(format!("{}: {what}{how_far}", self.what))
+    }
+
+    fn tell(&self, text: String) -> ControlFlow<()> {
+        let flow = self.flow(|watch| watch.say(&text));
+        self.bar.set_message(text);
+        flow
+    }
+
+    /// Whether to go on, after the one who watches was told.
+    fn flow(&self, tell: impl FnOnce(&Watch)) -> ControlFlow<()> {
+        self.watch.as_ref().map_or(ControlFlow::Continue(()), |watch| {
+            tell(watch);
+            watch.flow()
+        })
     }
 
     /// Iterations are counted from 1 again.

@@ -1,7 +1,9 @@
 //! The machine-readable report of a command (`--json`).
 
 use crate::aligning::AlignmentResults;
+use crate::commands::Outcome;
 use crate::commands::convert::ConvertResults;
+use crate::error::Error;
 use crate::field::FieldResults;
 use crate::fitting_curve::CurveResults;
 use crate::fitting_ruled::RuledResults;
@@ -64,6 +66,21 @@ pub(crate) fn lossy<S: serde::Serializer>(path: &Path, serializer: S) -> Result<
 }
 
 impl Report {
+    /// The report of a command that begins.
+    pub(crate) fn of_command(command: &'static str) -> Self {
+        Self { command, version: env!("CARGO_PKG_VERSION"), ..Self::default() }
+    }
+
+    /// Says how the command ended.
+    pub(crate) fn end(&mut self, ended: &Result<Outcome, Error>) {
+        (self.status, self.exit_code) = match ended {
+            Ok(Outcome { converged: true, .. }) => ("done", 0),
+            Ok(Outcome { otherwise, .. }) => (*otherwise, 1),
+            Err(_) => ("error", 2),
+        };
+        self.error = ended.as_ref().err().map(ToString::to_string);
+    }
+
     /// Adds a file that was read.
     pub(crate) fn add_input(&mut self, input: Input) {
         self.inputs.push(input);

@@ -19,8 +19,7 @@ pub(crate) fn run(cli: &Cli) -> ExitCode {
         let _ =
             writeln!(std::io::stderr(), "warning: an interrupt will leave temporary files behind: {error}");
     }
-    let mut report =
-        Report { command: cli.command.name(), version: env!("CARGO_PKG_VERSION"), ..Report::default() };
+    let mut report = Report::of_command(cli.command.name());
     let json_file = common.json.as_deref().filter(|path| !files::is_stream(path));
     let checked = check_stream(common, &cli.command)
         .and_then(|()| json_file.map_or(Ok(()), |path| check_report(path, &cli.command)));
@@ -38,12 +37,7 @@ pub(crate) fn run(cli: &Cli) -> ExitCode {
     {
         ended = Err(error);
     }
-    (report.status, report.exit_code) = match &ended {
-        Ok(Outcome { converged: true, .. }) => ("done", 0),
-        Ok(Outcome { otherwise, .. }) => (*otherwise, 1),
-        Err(_) => ("error", 2),
-    };
-    report.error = ended.as_ref().err().map(ToString::to_string);
+    report.end(&ended);
     if let Some(path) = &common.json
         && let Err(error) = write_report(path, &report)
     {

@@ -1,6 +1,7 @@
 //! Motions of points, as they come in JSON files.
 
 use crate::error::Error;
+use crate::files;
 use crate::points::Points;
 use industrial_geometry::mesh::nalgebra::{Matrix3, Matrix4, Point3, Vector3};
 use industrial_geometry::register::Pose;
@@ -24,9 +25,7 @@ pub(crate) struct Transform {
 impl Transform {
     /// Reads a file with a matrix of four rows, alone or as the value of `matrix`.
     pub(crate) fn read(path: &Path) -> Result<Self, Error> {
-        let bytes = std::fs::read(path).map_err(|source| Error::File {
-            source: industrial_geometry::io::Error::Io { path: path.to_path_buf(), action: "read", source },
-        })?;
+        let bytes = files::read_bytes(path)?;
         let document: serde_json::Value = serde_json::from_slice(&bytes)
             .map_err(|error| Error::content(path, format!("line {}: {error}", error.line()), ADVICE))?;
         // As `register --scale` writes it; without it a scale is a mistake, such as of units.

@@ -3,6 +3,7 @@
 use super::Outcome;
 use crate::cad_conversion;
 use crate::cad_output::{self, CadArgs, CadFormat};
+use crate::cad_tessellating;
 use crate::error::Error;
 use crate::files;
 use crate::report::{Input, Output, Report, Results, Timings};
@@ -18,7 +19,7 @@ use std::path::PathBuf;
 ///
 /// Normals, colours, intensity, names and other values per point are kept where the format can hold them; what it cannot
 /// hold is told. Surfaces become triangles, and curves polylines, where OUTPUT is no NURBS or CAD file. CAD models (STEP, IGES) become
-/// CAD models: faces with their loops, free curves, names and the unit are kept.
+/// CAD models (faces with their loops, free curves, names and the unit are kept) or triangles that end at the edges.
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = AFTER_HELP)]
 pub(crate) struct Args {
@@ -59,6 +60,7 @@ Examples:
   indgeo convert section.json section.dxf
   indgeo convert surface.json surface.step --unit mm --name blade-3
   indgeo convert part.igs part.step
+  indgeo convert part.step part.stl --chord 0.01
   gzip -dc scan.ply.gz | indgeo convert - - --format xyz | head";
 
 /// What was written.
@@ -147,6 +149,28 @@ impl Args {
     /// The format that is asked for; `None` where nothing says.
     fn form(&self) -> Option<Form> {
         self.format.or_else(|| form_of(&files::extension(&self.output)))
+    }
+
+    /// Converts a CAD model: into another one, or into triangles.
+    fn convert_cad(&self, bytes: &[u8], form: Option<Form>, report: &mut Report) -> Result<Outcome, Error> {
+        match form {
+            Some(Form::Cad(_)) if self.chord.is_some() => {
+                let advice = "leave it out, or choose stl, obj, ply or off for OUTPUT";
+                Err(Error::usage("--chord has no effect from one CAD format to another", advice))
+            }
+            Some(Form::Cad(format)) => {
+                cad_conversion::run(&self.input, bytes, &self.output, format, &self.cad, report)
+            }
+            Some(Form::Content(format)) if format != Format::Json => {
+                let options = WriteOptions { format: Some(format), ascii: self.ascii };
+                cad_tessellating::run(&self.input, bytes, &self.output, &options, self.chord, report)
+            }
+            _ => {
+                let what = "this is a CAD model, whose faces are bounded by loops";
+                let advice = "choose step, igs, or stl, obj, ply or off for OUTPUT";
+                Err(Error::content(&self.input, what, advice))
+            }
+        }
     }
 
     /// What of a tessellated model the format holds.
@@ -266,7 +290,7 @@ pub(crate) fn run(args: &Args, report: &mut Report) -> Result<Outcome, Error> {
         let bytes = Timings::measure(&mut timings.read, || files::read_bytes(&args.input))?;
         if cad_conversion::is_cad(&bytes) {
             report.timings = timings;
-            return cad_conversion::run(&args.input, &bytes, &args.output, cad_format, &args.cad, report);
+            return args.convert_cad(&bytes, form, report);
         }
         Timings::measure(&mut timings.read, || files::read_from_bytes(&bytes, &args.input, &options))?
     } else {

@@ -14,11 +14,12 @@ use crate::summary;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Compare a scanned stud bolt with its nominal thread, and register it: results, reports and pictures in a folder
+/// Compare a scanned stud bolt with its nominal thread, register it, inspect a CAD part: results, reports and pictures in a folder
 ///
 /// Projects a structured-light scan (8565 points) onto the nominal M12 × 1.75 thread and shank, given as NURBS surfaces,
 /// as `indgeo project` does, and draws the deviations. Then it puts the scan out of place, finds the place again as `indgeo
-/// register` does, and judges it there by a tolerance as `indgeo inspect` does. Needs no network; the data are in fixtures/ of the repository.
+/// register` does, and judges it there by a tolerance as `indgeo inspect` does. Last, it inspects a scan of a CAD part (STEP) with
+/// a bump and a wrong hole that are known, and shows that they are what is found. Needs no network; the data are in fixtures/ of the repository.
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = "\
 Files in the folder:
@@ -28,8 +29,9 @@ Files in the folder:
   displaced.ply    the scan out of place; registered.ply, pose.json: where `indgeo register` takes it, and the motion
   registration.svg the picture: before and after, and the steps; registration.json: report of the registration
   report.html      the inspection of the registered scan, to be opened in a browser; inspection.json: its report
+  cad-report.html  the inspection of a scan of a CAD part, whose errors are known (cad-scan.ply); cad-inspection.json: its report
 
-Exit status 0: every point was projected and the registration converged; 1: not so; 2: no data, or the folder cannot be written; 130: interrupted.
+Exit status 0: every point was projected, the registration converged, and the known errors were found; 1: not so; 2: no data, or the folder cannot be written; 130: interrupted.
 
 Example:
   indgeo demo --out my-demo")]
@@ -91,8 +93,17 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
     report.add_output(Output { path: svg.clone(), bytes, content });
 
     let (text, registered) = demo::align(&data, &bolt, &args.out, &job.options, common, report)?;
-    let summary = format!("{}\n{}\n{text}", summary::of(report), explain(&zones, &job, &svg));
-    Ok(Outcome::new(summary, registered && projection::all_converged(report)))
+    let mut summary = format!("{}\n{}\n{text}", summary::of(report), explain(&zones, &job, &svg));
+    #[cfg(feature = "step")]
+    let is_found = {
+        let (text, is_found) = demo::inspect_part(&data, &args.out, &job.options, common, report)?;
+        summary.push('\n');
+        summary.push_str(&text);
+        is_found
+    };
+    #[cfg(not(feature = "step"))]
+    let is_found = true;
+    Ok(Outcome::new(summary, registered && is_found && projection::all_converged(report)))
 }
 
 /// What was found, and how to get the same without the demonstration.

@@ -55,7 +55,10 @@ impl Files {
 
     /// All of them.
     pub(crate) fn all(folder: &Path) -> Vec<PathBuf> {
-        NAMES.iter().map(|name| folder.join(name)).collect()
+        let all = NAMES.iter();
+        #[cfg(feature = "step")]
+        let all = all.chain(&super::cad_part::NAMES);
+        all.map(|name| folder.join(name)).collect()
     }
 }
 
@@ -194,11 +197,11 @@ fn inspect(
     inspecting::run(&job, report)
 }
 
-fn finish(report: &mut Report, (status, exit_code): (&'static str, u8)) {
+pub(super) fn finish(report: &mut Report, (status, exit_code): (&'static str, u8)) {
     (report.status, report.exit_code) = (status, exit_code);
 }
 
-fn json(report: &Report, path: &Path) -> Result<String, Error> {
+pub(super) fn json(report: &Report, path: &Path) -> Result<String, Error> {
     let text = serde_json::to_string_pretty(report).map_err(|error| Error::write(path, error.into()))?;
     Ok(text + "\n")
 }

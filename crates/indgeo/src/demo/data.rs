@@ -12,6 +12,9 @@ pub(crate) struct Data {
     pub(crate) model: PathBuf,
     /// Where the bolt lies in the scan.
     pub(crate) placement: PathBuf,
+    /// The CAD part.
+    #[cfg(feature = "step")]
+    pub(crate) part: PathBuf,
 }
 
 const SCAN: &str = "scans/stud-bolt.ply";
@@ -41,6 +44,8 @@ impl Data {
             scan: folder.join(SCAN),
             model: folder.join("demo/stud-bolt-model.json"),
             placement: folder.join("demo/stud-bolt-placement.json"),
+            #[cfg(feature = "step")]
+            part: folder.join("cad/nema-17-bracket.step"),
         })
     }
 }

@@ -1,6 +1,6 @@
 //! STEP and IGES files that `convert` and the fits write.
 
-use crate::common::{Bench, SEGMENT, SQUARE, fixture};
+use crate::common::{Bench, SEGMENT, SQUARE, fixture, rows};
 
 #[test]
 fn nurbs_become_cad_files_with_name_and_unit() {
@@ -54,7 +54,6 @@ fn what_has_no_effect_or_cannot_be_is_refused() {
         ("convert square.json other.step --unit furlong", "choose mm, cm"),
         ("convert cloud.xyz other.step", "fit a surface first"),
         ("convert square.igs other.step --unit m", "state no unit; this one is in mm"),
-        ("convert square.igs other.stl", "choose .step or .igs"),
         ("fit-surface cloud.xyz -o other.json --unit mm", "--unit has no effect"),
         ("fit-curve cloud.xyz --points-out f.csv --name x", "--name has no effect without -o"),
     ];
@@ -124,4 +123,32 @@ fn fits_are_written_as_cad_files() {
     bench.put("line.xyz", line);
     let run = bench.run("fit-curve line.xyz -o line.stp --unit mm");
     assert!(run.code <= 1 && bench.text("line.stp").contains("GEOMETRIC_CURVE_SET('line'"), "{}", run.stderr);
+}
+
+#[test]
+fn cad_models_become_closed_meshes() {
+    let bench = Bench::new();
+    let part = fixture("cad/nema-17-bracket.step");
+    for name in ["part.stl", "part.ply", "part.obj", "part.off"] {
+        let run = bench.run(&format!("convert {part} {name} --chord 0.02 --json -"));
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        let report = run.report();
+        assert_eq!(report["results"]["chord"], 0.02);
+        assert!(report["results"]["triangles"].as_u64().unwrap() > 1000);
+        assert!(report["warnings"][0].as_str().unwrap().contains("coordinates are in mm"), "{report}");
+    }
+    // Every vertex of the mesh lies on the part, every point of the part within the tolerance of the mesh.
+    assert_eq!(bench.run(&format!("project {part} part.ply -o feet.csv")).code, 0);
+    let far = rows(&bench.text("feet.csv"))
+        .iter()
+        .map(|row| row[6].parse::<f64>().unwrap().abs())
+        .fold(0.0, f64::max);
+    assert!(far < 1e-6, "{far}");
+    let info = bench.run("info part.ply --json -");
+    assert!(info.report().to_string().contains("\"is_closed\":true"), "{}", info.stdout);
+    let run = bench.run(&format!("convert {part} part.json"));
+    assert!(run.code == 2 && run.stderr.contains("choose step, igs, or stl"), "{}", run.stderr);
+    let run = bench.run(&format!("convert {part} part.igs --chord 1"));
+    assert!(run.code == 2 && run.stderr.contains("--chord has no effect"), "{}", run.stderr);
+    assert!(!bench.path("part.igs").exists() && !bench.path("part.json").exists());
 }

@@ -77,5 +77,33 @@ fn the_displaced_scan_is_registered_and_judged() {
     assert!(svg.len() < 1_000_000, "{}", svg.len());
     assert!(bench.text("indgeo-demo/report.html").contains("</html>"));
     let outputs = serde_json::from_str::<serde_json::Value>(&bench.text("report.json")).unwrap();
-    assert_eq!(outputs["outputs"].as_array().unwrap().len(), 10);
+    assert_eq!(outputs["outputs"].as_array().unwrap().len(), 13);
+}
+
+#[test]
+fn the_errors_of_the_cad_scan_are_found() {
+    let bench = Bench::new();
+    let run = bench.run("demo");
+    assert_eq!(run.code, 0, "{}", run.stdout);
+    let row = |words: &str| -> [f64; 2] {
+        let line = run.stdout.lines().find(|line| line.contains(words)).unwrap();
+        let numbers: Vec<f64> =
+            line.rsplit_terminator(' ').filter_map(|word| word.parse().ok()).take(2).collect();
+        [numbers[1], numbers[0]]
+    };
+    let [bump, found] = row("height of the bump");
+    assert!(bump == found && (0.19..=0.2).contains(&bump), "{bump} {found}");
+    assert_eq!(row("deviation of the hole"), [-0.08, -0.08]);
+    let [wrong, beyond] = row("points beyond");
+    assert!(wrong == beyond && wrong > 50.0, "{wrong} {beyond}");
+    let report: serde_json::Value =
+        serde_json::from_str(&bench.text("indgeo-demo/cad-inspection.json")).unwrap();
+    let found = &report["results"];
+    assert_eq!(
+        (&report["status"], found["outcomes"]["measured"].as_u64()),
+        (&"out_of_tolerance".into(), found["points"].as_u64())
+    );
+    // The others deviate by rounding only.
+    let within = found["total"]["within"].as_u64().unwrap() as f64;
+    assert!((found["points"].as_f64().unwrap() - within - wrong).abs() < 0.5);
 }
