@@ -35,6 +35,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
         ],
     ),
     ("indgeo", &["industrial-geometry"]),
+    ("indgeo-python", &["indgeo", "industrial-geometry"]),
     (
         "measurements",
         &[
