@@ -31,3 +31,25 @@ def test_trimesh_there_and_back():
     box = indgeo.Mesh.from_trimesh(trimesh.creation.box())
     assert indgeo.project(box, [[0.0, 0.0, 0.9]]).distance[0] == pytest.approx(0.4)
     assert box.to_trimesh().is_watertight
+
+
+def test_commands_without_a_function_run_by_name(tmp_path):
+    vertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0.0]]
+    mesh = indgeo.Mesh(vertices, [[0, 1, 2], [1, 3, 2]])
+    out = tmp_path / "distance.csv"
+    found = indgeo.command("geodesic", mesh, from_=0, out=out)
+    assert found.ok and found.report["command"] == "geodesic"
+    rows = [line.split(",") for line in out.read_text().splitlines()[1:]]
+    assert [round(float(row[-1]), 12) for row in rows] == [0, 1, 1, round(2**0.5, 12)]
+    with pytest.raises(ValueError, match="unrecognized subcommand 'melt'"):
+        indgeo.command("melt", mesh)
+
+
+def test_the_examples_of_the_documentation_hold():
+    import doctest
+
+    import indgeo.commands
+
+    for module in (indgeo, indgeo.commands):
+        result = doctest.testmod(module)
+        assert result.attempted and not result.failed

@@ -11,6 +11,7 @@ from ._command import IndgeoWarning
 from ._indgeo import __version__
 from .clouds import Cloud, Mesh
 from .commands import (
+    command,
     fit_curve,
     fit_surface,
     inspect,
@@ -40,6 +41,7 @@ __all__ = [
     "SurfaceFit",
     "Views",
     "__version__",
+    "command",
     "fit_curve",
     "fit_surface",
     "inspect",

@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike
 from ._command import Call, Progress
 from ._ply import Table
 from .clouds import Cloud, Mesh
-from .results import CurveFit, Inspection, Parameterization, Projection, Registration, SurfaceFit, Views
+from .results import CurveFit, Inspection, Parameterization, Projection, Registration, Result, SurfaceFit, Views
 from .shapes import Curve, Model, Surface
 
 AnyModel = str | os.PathLike | Curve | Surface | Model | Mesh | Sequence[Curve | Surface]
@@ -251,6 +251,25 @@ def parameterize(
     )._of(ended)
 
 
+def command(name: str, *arguments: Any, threads: int | None = None, progress: Progress = False, **options: Any) -> Result:
+    """Any command of the command line by its name; its files are read and written as it says.
+
+    arguments: paths, arrays, clouds, meshes, curves and surfaces, in the order of the command line. An option that is a word of Python
+    ends with an underscore: `from_=0`.
+
+    >>> import indgeo
+    >>> indgeo.command("info", indgeo.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])).report["inputs"][0]["triangles"]
+    1
+    """
+    call = Call(name)
+    for index, argument in enumerate(arguments):
+        if isinstance(argument, (Curve, Surface, Model)):
+            call.model(argument, f"argument{index}")
+        else:
+            call.points(argument, f"argument{index}")
+    return Result()._of(call.options({"threads": threads, **options}).run(progress))
+
+
 def tessellate(model: AnyModel, *, chord: float | None = None) -> Mesh:
     """Triangles that stay within `chord` of the surfaces of a model; a thousandth of its size without."""
     call = Call("convert").model(model)
@@ -281,6 +300,7 @@ def _model(data: bytes) -> Model:
 
 
 __all__ = [
+    "command",
     "fit_curve",
     "fit_surface",
     "inspect",
