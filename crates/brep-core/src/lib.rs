@@ -42,6 +42,7 @@ mod edge;
 mod edge_curve;
 mod error;
 mod face;
+mod facing;
 mod foot;
 mod jets;
 mod model;

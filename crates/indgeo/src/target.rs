@@ -5,7 +5,7 @@ use crate::error::Error;
 use crate::model::{Indexed, Model};
 use crate::points::Points;
 use crate::threads;
-use industrial_geometry::brep::On;
+use industrial_geometry::brep::{self, On};
 use industrial_geometry::footpoint::Facing;
 use industrial_geometry::footpoint::{
     self, CurveFootpoint, CurveProjector, Location, Mode, Multiplicity, ProjectionOptions, Status,
@@ -121,10 +121,9 @@ impl Target {
     /// Makes sure that the model has normals, with which those of the points can agree.
     pub(crate) fn check_normals(&self, path: &Path) -> Result<(), Error> {
         let what = match self {
-            Self::Space { curves: None, .. } => return Ok(()),
+            Self::Space { curves: None, .. } | Self::Cad(_) => return Ok(()),
             Self::Mesh(mesh) if mesh.topology().is_oriented() => return Ok(()),
             Self::Mesh(_) => "neighbouring triangles disagree on the side of their normals",
-            Self::Cad(_) => "feet on CAD models are not restricted by normals",
             Self::Plane(_) | Self::Space { .. } => "the model has curves, which have no normals",
         };
         Err(Error::content(
@@ -207,7 +206,15 @@ impl Target {
                 points.in_space(path)?;
                 let cancelled = Foot::none(Status::Cancelled);
                 let slack = cad_slack(cad);
-                Ok(threads::map(&points.positions, &cancelled, progress, |x| cad_foot(cad, x, slack)))
+                if let Some((normals, angle)) = normals {
+                    let pairs: Vec<_> = points.positions.iter().zip(normals).collect();
+                    return Ok(threads::map(&pairs, &cancelled, progress, |(x, normal)| {
+                        facing_cad_foot(cad, x, normal, angle, slack)
+                    }));
+                }
+                Ok(threads::map(&points.positions, &cancelled, progress, |x| {
+                    cad_foot(cad, cad.model.nearest(&x.coords), slack)
+                }))
             }
             Self::Mesh(mesh) => {
                 points.in_space(path)?;
@@ -316,8 +323,19 @@ fn cad_slack(cad: &CadModel) -> f64 {
     edges.fold(1e-9 * cad.model.bounds().diagonal(), f64::max)
 }
 
-fn cad_foot(cad: &CadModel, x: &Point3<f64>, slack: f64) -> Foot {
-    let Some(foot) = cad.model.nearest(&x.coords) else { return Foot::none(Status::InvalidPoint) };
+fn facing_cad_foot(cad: &CadModel, x: &Point3<f64>, normal: &Vector3<f64>, angle: f64, slack: f64) -> Foot {
+    match Facing::new(normal, angle) {
+        _ if !x.coords.iter().all(|value| value.is_finite()) => Foot::none(Status::InvalidPoint),
+        Err(_) => Foot::none(Status::NoNormal),
+        Ok(facing) => match cad.model.nearest_facing(&x.coords, &facing) {
+            None => Foot::none(Status::NoMatchingFoot),
+            found => cad_foot(cad, found, slack),
+        },
+    }
+}
+
+fn cad_foot(cad: &CadModel, found: Option<brep::Foot>, slack: f64) -> Foot {
+    let Some(foot) = found else { return Foot::none(Status::InvalidPoint) };
     let status = if foot.gap() > slack {
         Status::Uncertified
     } else if foot.beyond_boundary {

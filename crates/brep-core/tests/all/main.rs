@@ -4,4 +4,5 @@
 
 mod closest;
 mod damage;
+mod facing;
 mod shapes;

@@ -258,3 +258,26 @@ fn registration_takes_the_same_option() {
     let shift = motion["matrix"][2][3].as_f64().unwrap();
     assert!((shift - 0.2).abs() < 1e-6, "{motion}");
 }
+
+#[test]
+fn a_cad_sheet_is_judged_by_the_face_it_was_scanned_from() {
+    let bench = bench();
+    assert_eq!(bench.run("convert faces.json sheet.step --unit mm").code, 0);
+    let right = [0.02, -0.05, -0.46, -0.48, -0.10, 0.03];
+    let found = bench.run("inspect sheet.step scan.csv -t 0.12 -o out.csv --json - --max-angle 60");
+    assert_eq!(found.code, 1, "{}", found.stderr);
+    assert_near(&distances(&bench), &right, "inspect");
+    assert!(column(&bench, "normal_z").iter().all(|z| z.parse::<f64>() == Ok(1.0)));
+    let results = &found.report()["results"];
+    assert_eq!((&results["total"]["under"], &results["restricted"]), (&2.into(), &2.into()));
+    assert_eq!(bench.run("inspect sheet.step scan.csv -t 0.12 -o out.csv").code, 0);
+    let run = bench.run("project sheet.step scan.csv -o out.csv --max-angle 60");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert_near(&distances(&bench), &right, "project");
+    // Beside the sheet the front ends at its edge; no face looks into a slanting direction.
+    bench.put("scan.csv", "x,y,z,nx,ny,nz\n-0.1,30,-0.3,0,0,1\n50,30,-0.6,0,0,-2\n50,30,0.1,1,1,1\n50,30,0.1,0,0,0\n");
+    let run = bench.run("project sheet.step scan.csv -o out.csv --max-angle 45");
+    assert_eq!(run.code, 1, "{}", run.stderr);
+    assert_near(&distances(&bench), &[-0.1f64.hypot(0.3), 0.1, f64::NAN, f64::NAN], "beside");
+    assert_eq!(column(&bench, "status")[2..], ["no_matching_foot", "no_normal"]);
+}

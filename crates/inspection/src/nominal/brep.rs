@@ -2,8 +2,12 @@
 
 use crate::{Deviation, Error, Outcome, Place};
 use brep_core::{Foot, Model, On};
+use footpoint::Facing;
 use nalgebra::{Point3, Vector3};
 use std::sync::Arc;
+
+/// Difference of distances, as a share of them and of the size, up to which a foot is as near as the nearest of all.
+const SAME: f64 = 1e-9;
 
 /// A model, and the number of the first face of each instance among the faces of all.
 #[derive(Debug)]
@@ -44,11 +48,23 @@ impl BrepNominal {
         self.model.bounds().sides().max()
     }
 
-    /// The deviation along the shortest line.
-    pub(super) fn shortest(&self, point: &Point3<f64>) -> Deviation {
-        match self.model.nearest(&point.coords) {
-            Some(foot) => self.deviation(&foot),
-            None => Deviation::none(Outcome::InvalidPoint),
+    /// The deviation along the shortest line, to a face that agrees with the normal of the point where that is asked for.
+    pub(super) fn shortest(&self, point: &Point3<f64>, facing: Option<&Facing>) -> Deviation {
+        let Some(nearest) = self.model.nearest(&point.coords) else {
+            return Deviation::none(Outcome::InvalidPoint);
+        };
+        match facing {
+            // A face that agrees and is the nearest of all needs no other search.
+            Some(facing) if !(matches!(nearest.on, On::Face { .. }) && facing.agrees(&nearest.normal)) => {
+                match self.model.nearest_facing(&point.coords, facing) {
+                    Some(foot) => {
+                        let is_restricted = foot.distance > nearest.distance * (1.0 + SAME) + SAME * self.size();
+                        Deviation { is_restricted, ..self.deviation(&foot) }
+                    }
+                    None => Deviation::none(Outcome::NoMatchingFoot),
+                }
+            }
+            _ => self.deviation(&nearest),
         }
     }
 
@@ -81,8 +97,12 @@ impl BrepNominal {
         }
     }
 
-    /// The unit normal at the foot of a point.
-    pub(super) fn normal(&self, point: &Point3<f64>) -> Vector3<f64> {
-        self.model.nearest(&point.coords).map_or_else(Vector3::zeros, |foot| foot.normal)
+    /// The unit normal at the foot of a point, on a face that agrees with a direction if one is given.
+    pub(super) fn normal(&self, point: &Point3<f64>, facing: Option<&Facing>) -> Vector3<f64> {
+        let foot = match facing {
+            Some(facing) => self.model.nearest_facing(&point.coords, facing),
+            None => self.model.nearest(&point.coords),
+        };
+        foot.map_or_else(Vector3::zeros, |foot| foot.normal)
     }
 }

@@ -236,7 +236,6 @@ impl Nominal {
                 return Err(Error::AlongCurves);
             }
             (Kind::Brep(_), Along::Normal | Along::Direction(_)) => return Err(Error::AlongFaces),
-            (Kind::Brep(_), _) if limit.is_some() => return Err(Error::AlongFaces),
             (Kind::Profile(_) | Kind::Curves(_), _) if limit.is_some() => return Err(Error::FacingCurves),
             (Kind::Mesh(mesh), _) if limit.is_some() && !mesh.is_signed() => {
                 return Err(Error::FacingUnoriented);
@@ -305,7 +304,7 @@ impl Nominal {
             (Kind::Surfaces(nominal), Some(line)) => {
                 trace::along(nominal.as_ref(), point, line, options.max_distance, facing)
             }
-            (Kind::Brep(nominal), _) => nominal.shortest(point),
+            (Kind::Brep(nominal), _) => nominal.shortest(point, facing),
             // Many of these are measured at once, or refused before.
             (Kind::Surfaces(_) | Kind::Profile(_) | Kind::Curves(_), _) => Deviation::none(Outcome::NoHit),
         }
@@ -341,7 +340,10 @@ impl Nominal {
                 let offset = if is_hit { Vector3::zeros() } else { offset };
                 nominal.normal(shape, record.parameter, &offset)
             }
-            Kind::Brep(nominal) => nominal.normal(point),
+            Kind::Brep(nominal) => {
+                let facing = normal.zip(options.angle_limit()).and_then(|(n, a)| Facing::new(n, a).ok());
+                nominal.normal(point, facing.filter(|_| record.is_restricted()).as_ref())
+            }
             Kind::Profile(nominal) => {
                 nominal.normal(shape, record.parameter[0], &nominal.offset(point, &record.foot))
             }
