@@ -19,7 +19,7 @@ const ROUNDS: usize = 24;
 /// Rounds of parameter correction before a curve is drawn to the level set.
 const CORRECTIONS: usize = 3;
 /// Points of a contour on each span at least: fewer do not determine a curve.
-const PER_SPAN: usize = 4;
+const PER_SPAN: usize = 3;
 /// Share of the length of a contour that becomes the first spans, and their number at least and at most.
 const FIRST: [usize; 2] = [6, 24];
 /// Cells of the grid for each of the first spans.
@@ -111,7 +111,7 @@ pub struct FittedContour {
     pub controls: usize,
     /// Largest distance of points of the curve from the level set, sixteen on each span.
     pub forth: f64,
-    /// Largest distance of points of the contour from the curve, two in each cell.
+    /// Largest distance of points of the contour from the curve, four or more in each cell.
     pub back: f64,
     /// How often the curve crosses itself.
     pub crossings: usize,
@@ -193,9 +193,12 @@ impl Work<'_> {
         let mut best: Option<(BsplineCurve<2>, Gap)> = None;
         for _ in 0..ROUNDS {
             let (curve, gap) = self.drawn(&breaks)?;
-            let split = self.split(&breaks, &gap);
+            let is_near = gap.largest() <= self.options.abs_tolerance;
+            // Looked for where the distances are good: only then it decides.
+            let crossings = if is_near { self_crossings(&curve) } else { Vec::new() };
+            let split = self.split(&breaks, &gap, &crossings);
             let is_better = best.as_ref().is_none_or(|(_, known)| gap.largest() < known.largest());
-            let is_within = gap.largest() <= self.options.abs_tolerance;
+            let is_within = is_near && crossings.is_empty();
             if is_better || is_within {
                 best = Some((curve, gap));
             }
@@ -208,14 +211,16 @@ impl Work<'_> {
         best.ok_or_else(|| Error::Empty { what: "no curve was found for a contour".to_owned() })
     }
 
-    /// The breaks with the middle of each span that is not within the tolerance, as long as there are points for it.
-    fn split(&self, breaks: &[f64], gap: &Gap) -> Vec<f64> {
+    /// The breaks with the middle of each span that is not within the tolerance or in which the curve crosses itself, as long as there are
+    /// points for it.
+    fn split(&self, breaks: &[f64], gap: &Gap, crossings: &[[f64; 2]]) -> Vec<f64> {
         let mut out = Vec::with_capacity(2 * breaks.len());
         for (pair, error) in breaks.windows(2).zip(&gap.spans) {
             out.push(pair[0]);
             let within = |t: &&f64| pair[0] <= **t && **t < pair[1];
             let points = gap.parameters.iter().filter(within).count();
-            let is_good = *error <= self.options.abs_tolerance;
+            let crosses = crossings.iter().flatten().any(|t| pair[0] <= *t && *t <= pair[1]);
+            let is_good = *error <= self.options.abs_tolerance && !crosses;
             if !is_good && points >= 2 * PER_SPAN {
                 out.push(0.5 * (pair[0] + pair[1]));
             }

@@ -10,9 +10,12 @@ use nurbs_core::{BsplineCurve, ParametricCurve};
 /// Samples of a curve on each of its spans, its ends included.
 const PER_SPAN: usize = 16;
 
-/// Points of the level set along a contour: its vertices, and the feet of the midpoints between them.
+/// Shares of the way between vertices at which points are taken.
+const BETWEEN: [f64; 3] = [0.25, 0.5, 0.75];
+
+/// Points of the level set along a contour: its vertices, and the feet of three points on each chord between them.
 ///
-/// Between neighbours is at most about half a cell. Each has its length along the contour.
+/// Between neighbours is at most about a third of a cell. Each has its length along the contour.
 pub(crate) fn along(field: &LevelSetField<2>, contour: &Polyline<2>) -> Vec<(f64, Vector2<f64>)> {
     let vertices = contour.vertices();
     let mut out = Vec::with_capacity(2 * vertices.len());
@@ -21,11 +24,13 @@ pub(crate) fn along(field: &LevelSetField<2>, contour: &Polyline<2>) -> Vec<(f64
         out.push((length, vertex.coords));
         let Some([a, b]) = contour.segment(k) else { continue };
         let step = (b - a).norm();
-        let middle = nalgebra::center(&a, &b).coords;
-        let frame = field.frame(&middle, Search::Global, &Hint::NONE);
-        // Where another part is nearer, or the foot is none, the vertices speak for the part between them.
-        if frame.status.is_converged() && frame.distance.abs() <= 0.5 * step {
-            out.push((length + 0.5 * step, frame.foot));
+        for share in BETWEEN {
+            let chord = a.coords.lerp(&b.coords, share);
+            let frame = field.frame(&chord, Search::Global, &Hint::NONE);
+            // Where another part is nearer, or the foot is none, the vertices speak for the part between them.
+            if frame.status.is_converged() && frame.distance.abs() <= 0.5 * step {
+                out.push((length + share * step, frame.foot));
+            }
         }
     }
     out

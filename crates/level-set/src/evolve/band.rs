@@ -8,8 +8,12 @@ use distance_field::grid::redistance;
 use nalgebra::SVector;
 
 /// Half the width of the band in which values change, in cells, and of the one in which they are distances.
-const MOVING: f64 = 5.0;
-const DISTANCES: f64 = 9.0;
+///
+/// At the end of the band values jump by what the zero set has moved, which the spline of the next distances carries on to the zero
+/// set, damped by 0.27 for each node: with nine of them it is nothing.
+const WIDE: [f64; 2] = [9.0, 13.0];
+/// The same where only the place counts at which an evolution comes to rest.
+const NARROW: [f64; 2] = [3.5, 7.0];
 /// How far the zero set may move before values are made distances again, in cells.
 const TRAVEL: f64 = 0.9;
 /// Share of the largest stable step that is taken.
@@ -117,7 +121,7 @@ impl<const D: usize> Evolution<D> {
         Ok(out)
     }
 
-    /// The level function: distances within nine cells, constant beyond.
+    /// The level function: distances near the zero set, constant beyond nine cells or more.
     #[must_use]
     pub fn grid(&self) -> &Grid<D> {
         &self.grid
@@ -131,13 +135,14 @@ impl<const D: usize> Evolution<D> {
 
     /// Makes the values distances again.
     pub(super) fn redistance(&mut self) -> Result<(), Error> {
+        let [moving, distances] = if self.options.time_order == 1 { NARROW } else { WIDE };
         let moved = self.grid.with_values(std::mem::take(&mut self.values))?;
-        self.grid = match redistance(&moved, Some(DISTANCES * self.cell)) {
+        self.grid = match redistance(&moved, Some(distances * self.cell)) {
             Err(distance_field::Error::NoPoints { .. }) => return Err(empty(moved.values())),
             found => found?.grid,
         };
         self.values = self.grid.values().to_vec();
-        let near = MOVING * self.cell;
+        let near = moving * self.cell;
         self.band = (0..self.values.len()).filter(|&node| self.values[node].abs() < near).collect();
         self.travelled = 0.0;
         Ok(())

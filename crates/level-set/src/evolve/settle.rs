@@ -19,7 +19,7 @@ pub struct Evolved<const D: usize> {
     pub is_settled: bool,
     /// Steps in time.
     pub steps: usize,
-    /// How far it moved at last, in cells per unit of time.
+    /// How fast it moved at last, in cells per unit of time: root mean square.
     pub speed: f64,
     /// Components and holes at the start.
     pub before: Topology,
@@ -44,7 +44,10 @@ pub(super) fn until_rest<const D: usize>(
         motion(&last, &mut |motion| evolution.run(motion, PERIOD * cell))?;
         let pairs = last.values().iter().zip(evolution.grid().values());
         let near = pairs.filter(|(_, now)| now.abs() < LOOK * cell);
-        speed = near.map(|(then, now)| (now - then).abs()).fold(0.0, f64::max) / (PERIOD * cell);
+        let (sum, count) =
+            near.fold((0.0, 0usize), |(sum, count), (then, now)| (sum + (now - then).powi(2), count + 1));
+        // What flickers at a few nodes is no movement.
+        speed = (sum / count.max(1) as f64).sqrt() / (PERIOD * cell);
         quiet = if speed <= tolerance { quiet + 1 } else { 0 };
         if quiet == 2 {
             break;

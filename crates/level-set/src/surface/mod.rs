@@ -18,6 +18,8 @@
 //! ```
 
 mod dual;
+mod remesh;
 mod vertex;
 
 pub use dual::{Crossing, SurfaceGap, dual_contour, of_field, surface_gap};
+pub use remesh::{Remeshed, remesh};

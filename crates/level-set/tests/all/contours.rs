@@ -69,7 +69,11 @@ fn a_star_in_an_image_is_found_within_a_twentieth_of_a_pixel() {
     let options = FitOptions::default().with_abs_tolerance(0.02);
     let fitted = fit_contours(&field, field.contours(), &options).unwrap();
     assert_eq!(fitted.len(), 1);
-    assert!(fitted[0].is_within && fitted[0].controls < 80, "{:?}", fitted[0].controls);
+    assert!(fitted[0].is_within && fitted[0].controls < 200, "{:?}", fitted[0].controls);
+    let error = gap(&fitted[0], centre, scale);
+    assert!(error <= 0.05, "{error} pixels");
+    // Few control points take the mean of what the pixels do to the contour.
+    let fitted = fit_contours(&field, field.contours(), &options.with_controls(Some(36))).unwrap();
     let error = gap(&fitted[0], centre, scale);
     assert!(error <= 0.05, "{error} pixels");
 }
