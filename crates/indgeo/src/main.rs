@@ -1,5 +1,5 @@
 //! Industrial Geometry on the command line: `indgeo project | inspect | align | register | register-views | fit-curve | parameterize |
-//! fit-surface | fit-ruled | fit-subdivision | field | geodesic | morphology | convert | info | demo | selftest`.
+//! fit-surface | fit-ruled | fit-subdivision | contour | field | geodesic | morphology | convert | info | demo | selftest`.
 
 mod aligning;
 mod alignment_summary;
@@ -9,6 +9,7 @@ mod cad;
 mod cad_conversion;
 mod cad_output;
 mod commands;
+mod contour;
 mod datum_file;
 mod demo;
 mod error;
