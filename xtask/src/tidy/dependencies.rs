@@ -44,6 +44,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "mesh-core",
             "footpoint",
             "distance-field",
+            "level-set",
             "sdm-fit",
             "sdm-register",
             "cloud-param",
