@@ -184,6 +184,16 @@ const MEASUREMENTS: &[Measurement] = &[
         one_thread: false,
     },
     Measurement {
+        name: "contours",
+        title: "Level sets",
+        about: "Contours of grids and images as B-splines, distances from level functions, adaptively sampled distances, against closed \
+                forms. Wanted: 36 control points within 1e-4 of the size of a star, within 0.05 pixel in an image; distances of order 3.5 \
+                or more; a tenth of the leaves of trilinear ones.",
+        program: "contours",
+        arguments: &[],
+        one_thread: true,
+    },
+    Measurement {
         name: "subdivision",
         title: "Fits of Loop subdivision surfaces",
         about: "A body from a coarse control mesh: point, tangent and squared distance minimisation, distances after each iteration as \

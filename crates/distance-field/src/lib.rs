@@ -48,6 +48,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod adaptive;
 mod analytic;
 mod borders;
 mod brep;
@@ -85,7 +86,7 @@ pub use error::Error;
 pub use field::DistanceField;
 pub use frame::PrincipalFrame;
 pub use kernel::Kernel;
-pub use level_set::{Grid, LevelSetField};
+pub use level_set::{Grid, LevelSetField, Saddles};
 pub use loop_surface::LoopField;
 pub use mesh::{MeshField, MeshGeometry, MeshOptions};
 pub use offset::OffsetField;

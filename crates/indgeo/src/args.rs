@@ -1,8 +1,8 @@
 //! What can be typed.
 
 use crate::commands::{
-    align, convert, demo, field, fit_curve, fit_ruled, fit_subdivision, fit_surface, geodesic, info, inspect,
-    morphology, parameterize, project, register, register_views, selftest,
+    align, contour, convert, demo, field, fit_curve, fit_ruled, fit_subdivision, fit_surface, geodesic, info,
+    inspect, morphology, parameterize, project, register, register_views, selftest,
 };
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::path::{Path, PathBuf};
@@ -39,6 +39,7 @@ Examples:
   indgeo fit-surface scan.ply -o surface.json --tolerance 0.05
   indgeo fit-ruled vase.xyz -o layers.json --control-points 25x7 --level
   indgeo fit-subdivision scan.ply -o control.obj --vertices 300
+  indgeo contour coins.png -o coins.json --picture coins.svg
   indgeo field part.stl -o distance.vti --signed
   indgeo geodesic part.stl --from 0 -o distance.csv
   indgeo info scan.ply";
@@ -55,6 +56,7 @@ pub(crate) enum Command {
     FitSurface(fit_surface::Args),
     FitRuled(fit_ruled::Args),
     FitSubdivision(fit_subdivision::Args),
+    Contour(contour::Args),
     Field(field::Args),
     Geodesic(geodesic::Args),
     Morphology(morphology::Args),
@@ -102,6 +104,7 @@ impl Command {
             Self::FitSurface(args) => args.files(),
             Self::FitRuled(args) => args.files(),
             Self::FitSubdivision(args) => args.files(),
+            Self::Contour(args) => args.files(),
             Self::Field(args) => args.files(),
             Self::Geodesic(args) => args.files(),
             Self::Morphology(args) => args.files(),
@@ -125,6 +128,7 @@ impl Command {
             Self::FitSurface(_) => "fit-surface",
             Self::FitRuled(_) => "fit-ruled",
             Self::FitSubdivision(_) => "fit-subdivision",
+            Self::Contour(_) => "contour",
             Self::Field(_) => "field",
             Self::Geodesic(_) => "geodesic",
             Self::Morphology(_) => "morphology",

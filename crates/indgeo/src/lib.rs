@@ -1,5 +1,5 @@
 //! The commands of Industrial Geometry: `indgeo project | inspect | align | register | register-views | fit-curve | parameterize |
-//! fit-surface | fit-ruled | fit-subdivision | field | geodesic | morphology | convert | info | demo | selftest`.
+//! fit-surface | fit-ruled | fit-subdivision | contour | field | geodesic | morphology | convert | info | demo | selftest`.
 //!
 //! The program `indgeo` is [`main`]. [`call`] runs a command for another language in the same way, with the same checks, defaults
 //! and messages; its inputs and outputs may be in memory.
@@ -25,6 +25,7 @@ mod cad_output;
 mod cad_tessellating;
 mod call;
 mod commands;
+mod contour;
 mod datum_file;
 mod demo;
 mod error;

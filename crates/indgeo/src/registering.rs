@@ -98,6 +98,9 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Registered, Erro
     if let RegistrationModel::Cad(cad) = &model {
         input.read.format = cad.format.to_owned();
     }
+    if model.kind() == "level_set" {
+        "grid".clone_into(&mut input.read.format);
+    }
     report.add_input(input);
     let given = init.map(poses::read).transpose()?;
     let loaded = Timings::measure(&mut timings.read, || files::read(job.points, &ReadOptions::default()))?;

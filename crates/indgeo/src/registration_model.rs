@@ -1,15 +1,20 @@
 //! The shape that points are registered to: its distance field, and samples for a start without a guess.
 
 use crate::cad::{CadModel, Choice};
+use crate::contour::refused;
+use crate::contour::source::{self, Source};
 use crate::error::Error;
 use crate::files;
 use crate::model::Loaded;
 use crate::registration_field::RegistrationField;
 use crate::wording::{counted, not_finite};
 use industrial_geometry::distance_field::{
-    BrepField, CloudField, CurveField, DistanceField, MeshField, PlanarCloudField, SurfaceField,
+    BrepField, CloudField, CurveField, DistanceField, LevelSetField, MeshField, PlanarCloudField,
+    SurfaceField,
 };
-use industrial_geometry::io::{Content, ReadOptions, ReadReport, Shape};
+use industrial_geometry::io::{Content, Format, ReadOptions, ReadReport, Shape};
+use industrial_geometry::level_set;
+use industrial_geometry::level_set::surface::{dual_contour, of_field};
 use industrial_geometry::mesh::{MeshProjector, PointCloud, TriangleMesh};
 use industrial_geometry::nurbs::{BsplineCurve, BsplineSurface, ParametricSurface};
 use industrial_geometry::register::start::OrientedPoints;
@@ -37,6 +42,10 @@ pub(crate) enum RegistrationModel {
     PlanarCloud(PointCloud),
     /// A CAD model.
     Cad(CadModel),
+    /// The level set 0 of values on a grid in space.
+    LevelSet(Box<LevelSetField<3>>),
+    /// The same in the plane.
+    PlanarLevelSet(Box<LevelSetField<2>>),
 }
 
 impl RegistrationModel {
@@ -50,6 +59,9 @@ impl RegistrationModel {
             warnings.extend(cad.warnings.iter().map(|warning| format!("{}: {warning}", path.display())));
             let report = Loaded::of_cad(cad.clone(), path).report;
             return Ok((Self::Cad(cad), report));
+        }
+        if matches!(files::extension(path).as_str(), "vti" | "npy") {
+            return Self::read_grid(path);
         }
         let loaded = files::read(path, &ReadOptions::default().with_drop_non_finite(true))?;
         let report = loaded.report;
@@ -70,6 +82,45 @@ impl RegistrationModel {
             }
         };
         Ok((model, report))
+    }
+
+    /// Reads values on a grid, of which the level set 0 is the model.
+    fn read_grid(path: &Path) -> Result<(Self, ReadReport), Error> {
+        let Source::Grid(grid) = source::read(path)? else {
+            return Err(Error::content(
+                path,
+                "this is an image, not a grid",
+                "give the grid of a field (.vti)",
+            ));
+        };
+        if grid.place.is_none() {
+            let what = "an NPY file does not say where its nodes lie";
+            return Err(Error::content(
+                path,
+                what,
+                "write the field as .vti (`indgeo field SHAPE -o FIELD.vti`)",
+            ));
+        }
+        let failed = |error: level_set::Error| refused(path, &error);
+        let model = if grid.counts.len() == 2 {
+            let function = grid.level_function::<2>(0.0, None).map_err(failed)?;
+            LevelSetField::<2>::new(&function).map(|field| Self::PlanarLevelSet(Box::new(field)))
+        } else {
+            let function = grid.level_function::<3>(0.0, None).map_err(failed)?;
+            LevelSetField::<3>::new(&function).map(|field| Self::LevelSet(Box::new(field)))
+        };
+        let report = ReadReport {
+            path: Some(path.to_path_buf()),
+            // Not looked at: the format of a grid is its own.
+            format: Format::Json,
+            points: 0,
+            triangles: 0,
+            shapes: 1,
+            non_finite: 0,
+            dropped: 0,
+            warnings: Vec::new(),
+        };
+        Ok((model.map_err(|error| failed(error.into()))?, report))
     }
 
     fn of_shapes(shapes: Vec<Shape>, path: &Path, warnings: &mut Vec<String>) -> Result<Self, Error> {
@@ -114,12 +165,13 @@ impl RegistrationModel {
             Self::Mesh(_) => "mesh",
             Self::Cloud(_) | Self::PlanarCloud(_) => "cloud",
             Self::Cad(_) => "cad",
+            Self::LevelSet(_) | Self::PlanarLevelSet(_) => "level_set",
         }
     }
 
     /// Whether the model lies in the plane z = 0, and takes points of two columns.
     pub(crate) fn is_planar(&self) -> bool {
-        matches!(self, Self::Plane(_) | Self::PlanarCloud(_))
+        matches!(self, Self::Plane(_) | Self::PlanarCloud(_) | Self::PlanarLevelSet(_))
     }
 
     /// Unit of length that a CAD file states.
@@ -139,6 +191,7 @@ impl RegistrationModel {
             Self::Mesh(mesh) => mesh.triangles().len(),
             Self::Cloud(cloud) | Self::PlanarCloud(cloud) => cloud.len(),
             Self::Cad(cad) => cad.face_count(),
+            Self::LevelSet(_) | Self::PlanarLevelSet(_) => 1,
         }
     }
 
@@ -159,6 +212,8 @@ impl RegistrationModel {
                 let field = PlanarCloudField::new(&points, normals.as_deref()).map_err(failed)?;
                 return Ok(RegistrationField::Plane(Box::new(field)));
             }
+            Self::PlanarLevelSet(field) => return Ok(RegistrationField::Plane(field.clone())),
+            Self::LevelSet(field) => return Ok(RegistrationField::Space(field.clone())),
             Self::Surfaces(surfaces) => SurfaceField::for_model(surfaces).map(|field| Box::new(field) as _),
             Self::Curves(curves) => CurveField::for_model(curves).map(|field| Box::new(field) as _),
             Self::Mesh(mesh) => MeshField::new(mesh).map(|field| Box::new(field) as _),
@@ -172,7 +227,7 @@ impl RegistrationModel {
     /// Makes sure that the model has normals that tell sides, with which those of points can agree.
     pub(crate) fn check_normals(&self, path: &Path) -> Result<(), Error> {
         let what = match self {
-            Self::Surfaces(_) | Self::Cad(_) => return Ok(()),
+            Self::Surfaces(_) | Self::Cad(_) | Self::LevelSet(_) | Self::PlanarLevelSet(_) => return Ok(()),
             Self::Plane(_) | Self::Curves(_) => "the model has curves, which have no normals",
             Self::Cloud(cloud) | Self::PlanarCloud(cloud) if cloud.attributes().normals().is_some() => {
                 return Ok(());
@@ -206,11 +261,18 @@ impl RegistrationModel {
             }
             Self::Cloud(cloud) => OrientedPoints::from_cloud(cloud)
                 .map_err(|error| Error::content(path, error.to_string(), ADVICE)),
-            Self::Plane(_) | Self::PlanarCloud(_) | Self::Curves(_) => Err(Error::content(
-                path,
-                "a start without a guess needs surfaces, this model has curves only",
-                "give a starting pose (--init) or choose --start given",
-            )),
+            Self::LevelSet(field) => {
+                let mesh =
+                    dual_contour(field.grid(), of_field(field)).map_err(|error| refused(path, &error))?;
+                Ok(OrientedPoints::from_mesh(&mesh, SAMPLES))
+            }
+            Self::Plane(_) | Self::PlanarCloud(_) | Self::PlanarLevelSet(_) | Self::Curves(_) => {
+                Err(Error::content(
+                    path,
+                    "a start without a guess needs surfaces, this model has curves only",
+                    "give a starting pose (--init) or choose --start given",
+                ))
+            }
         }
     }
 }

@@ -4,6 +4,7 @@ use crate::aligning::AlignmentResults;
 use crate::commands::Outcome;
 use crate::commands::convert::ConvertResults;
 use crate::error::Error;
+use crate::contour::ContourResults;
 use crate::field::FieldResults;
 use crate::fitting_curve::CurveResults;
 use crate::fitting_ruled::RuledResults;
@@ -281,6 +282,8 @@ pub(crate) enum Results {
     Ruled(Box<RuledResults>),
     /// Of a fit of a subdivision surface.
     Subdivision(Box<SubdivisionResults>),
+    /// Of contours.
+    Contours(Box<ContourResults>),
     /// Of distances on a grid.
     Field(Box<FieldResults>),
     /// Of distances and curves on a surface.

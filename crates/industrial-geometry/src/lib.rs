@@ -19,6 +19,7 @@ pub use distance_field;
 pub use feature_metric;
 pub use footpoint;
 pub use inspection;
+pub use level_set;
 pub use mesh_core as mesh;
 pub use nurbs_core as nurbs;
 pub use pc_io as io;

@@ -17,6 +17,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("inspection", &["nurbs-core", "mesh-core", "footpoint", "brep-core", "distance-field"]),
     ("cloud-param", &["nurbs-core", "mesh-core", "footpoint", "sdm-fit"]),
     ("feature-metric", &["nurbs-core", "mesh-core", "distance-field"]),
+    ("level-set", &["nurbs-core", "mesh-core", "footpoint", "distance-field", "sdm-fit"]),
     (
         "industrial-geometry",
         &[
@@ -32,6 +33,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "inspection",
             "cloud-param",
             "feature-metric",
+            "level-set",
         ],
     ),
     ("indgeo", &["industrial-geometry"]),
@@ -43,6 +45,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "mesh-core",
             "footpoint",
             "distance-field",
+            "level-set",
             "sdm-fit",
             "sdm-register",
             "cloud-param",

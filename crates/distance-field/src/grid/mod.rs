@@ -1,7 +1,8 @@
 //! Distance functions at the nodes of regular grids (\[P05, sec. 3.1\]).
 //!
 //! Near the sources distances are exact ([`seeds`]). From there [`sweep`] and [`march`] solve `|∇u| = 1`, around obstacles and with a
-//! speed as well, and [`carry`] carries the nearest elements themselves. In the plane, [`Scene`] has the exact shortest ways around
+//! speed as well, and [`carry`] carries the nearest elements themselves. [`redistance`] turns any level function into the distance from
+//! its zero set, of fourth order. In the plane, [`Scene`] has the exact shortest ways around
 //! polygons.
 //!
 //! ```
@@ -25,6 +26,7 @@ mod element;
 mod lattice;
 mod march;
 mod medium;
+mod redistance;
 mod scene;
 mod sight;
 mod sweep;
@@ -35,6 +37,7 @@ pub use element::{Element, Seed, seeds, seeds_on_faces};
 pub use lattice::Lattice;
 pub use march::march;
 pub use medium::Medium;
+pub use redistance::{Redistanced, redistance};
 pub use scene::{Path, Scene};
 pub use sweep::sweep;
 pub use winding::{Outline, Winding};

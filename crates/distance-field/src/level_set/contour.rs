@@ -8,6 +8,16 @@ use std::collections::BTreeMap;
 /// Steps of the search for a zero between two nodes: halving alone leaves nothing after so many.
 const MAX_STEPS: usize = 60;
 
+/// What is connected in a cell of the plane whose corners differ in sign crosswise.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub enum Saddles {
+    /// The sign in the middle of the cell decides: the topology of the spline.
+    #[default]
+    Middle,
+    /// The positive corners: regions where the function is negative touch along edges of the grid only (4-connected).
+    Separate,
+}
+
 /// A zero of the spline between two neighbouring nodes of different sign, as a share of the way (`0 ≤ s ≤ 1`): the
 /// secant method, kept in the interval by bisection. Zero counts as
 /// positive.
@@ -46,7 +56,7 @@ fn crossing<const D: usize>(
 }
 
 /// All crossings, in units of the spacing, and the largest difference of neighbouring values.
-pub(super) fn crossings<const D: usize>(
+pub(crate) fn crossings<const D: usize>(
     grid: &Grid<D>,
     spline: &GridSpline<D>,
 ) -> (Vec<SVector<f64, D>>, f64) {
@@ -68,7 +78,11 @@ pub(super) fn crossings<const D: usize>(
 type Edge = (usize, usize);
 
 /// The curves of the zero set (marching squares), each with whether it is closed; `f < 0` on their left.
-pub(super) fn trace(grid: &Grid<2>, spline: &GridSpline<2>) -> Vec<(Vec<SVector<f64, 2>>, bool)> {
+pub(super) fn trace(
+    grid: &Grid<2>,
+    spline: &GridSpline<2>,
+    saddles: Saddles,
+) -> Vec<(Vec<SVector<f64, 2>>, bool)> {
     let [m, n] = grid.counts();
     // From the edge through which a curve enters a cell to the edge through which it leaves: each edge is entered from
     // one cell at most, since the negative side is on the left.
@@ -95,7 +109,7 @@ pub(super) fn trace(grid: &Grid<2>, spline: &GridSpline<2>) -> Vec<(Vec<SVector<
                 ([first, second], [..]) => {
                     // A saddle: its middle tells which corners are connected.
                     let middle = grid.node(node).add_scalar(0.5);
-                    let joined = spline.taylor(&middle).value < 0.0;
+                    let joined = saddles == Saddles::Middle && spline.taylor(&middle).value < 0.0;
                     for entry in [*first, *second] {
                         // Where the negative corners are connected a curve goes around a positive corner, else around a
                         // negative one.

@@ -1,23 +1,15 @@
 //! The distance from the zero set of a function that is known on a grid.
 
-use super::contour;
+use super::contour::{self, Saddles};
+use super::foot::{Foot, ZeroSet};
 use super::grid::Grid;
-use super::spline::{GridSpline, Taylor};
+use super::spline::GridSpline;
 use crate::local_geometry::{of_plane_normal, of_tensor};
 use crate::{DistanceField, Error, Hint, PrincipalFrame, Search};
 use footpoint::Status;
 use mesh_core::{CloudIndex, Polyline};
 use nalgebra::{Point, SMatrix, SVector, Vector2, Vector3};
 use nurbs_core::Aabb;
-
-/// Limit of the iteration to a foot.
-const MAX_STEPS: usize = 40;
-/// Longest step, in cells: seeds are at most one cell from the feet that they lead to.
-const LONGEST: f64 = 1.0;
-/// A residual, as a share of the size of the grid, that counts as none.
-const SETTLED: f64 = 1e-13;
-/// Gradient, as a share of the largest value per cell, below which a point of the zero set is singular.
-const SINGULAR: f64 = 1e-9;
 
 /// The distance from the level set `f = 0` of a function on a grid, positive where `f` is.
 ///
@@ -53,21 +45,22 @@ pub struct LevelSetField<const D: usize> {
     jump: f64,
 }
 
-/// A place on the zero set.
-struct Foot<const D: usize> {
-    place: SVector<f64, D>,
-    taylor: Taylor<D>,
-    status: Status,
-}
-
 impl LevelSetField<2> {
     /// The zero set of a function in the plane.
     ///
     /// # Errors
     /// [`Error::NoPoints`] when the values do not change their sign.
     pub fn new(grid: &Grid<2>) -> Result<Self, Error> {
+        Self::with_saddles(grid, Saddles::Middle)
+    }
+
+    /// The same, with a choice of what is connected where the corners of a cell differ crosswise.
+    ///
+    /// # Errors
+    /// As for [`LevelSetField::new`].
+    pub fn with_saddles(grid: &Grid<2>, saddles: Saddles) -> Result<Self, Error> {
         let mut field = Self::prepare(grid)?;
-        let traced = contour::trace(grid, &field.spline);
+        let traced = contour::trace(grid, &field.spline, saddles);
         let polyline = |(places, closed): (Vec<SVector<f64, 2>>, bool)| {
             let vertices = places.iter().map(|place| Point::from(grid.point(place))).collect();
             Polyline::new(vertices, closed)
@@ -124,70 +117,18 @@ impl<const D: usize> LevelSetField<D> {
         self.crossings.iter().map(|place| self.grid.point(place))
     }
 
-    /// Value and derivatives by the coordinates.
-    fn taylor(&self, place: &SVector<f64, D>) -> Taylor<D> {
-        let mut t = self.spline.taylor(place);
-        let h = self.grid.spacing();
-        t.gradient.component_div_assign(h);
-        for i in 0..D {
-            for j in 0..D {
-                t.hessian[(i, j)] /= h[i] * h[j];
-            }
-        }
-        t
+    /// Value, gradient and Hessian of the spline at a point, by the coordinates; outside the grid those of the nearest point
+    /// inside.
+    #[must_use]
+    pub fn taylor(&self, x: &SVector<f64, D>) -> (f64, SVector<f64, D>, SMatrix<f64, D, D>) {
+        let taylor = self.zero_set().taylor(&self.grid.place(x));
+        (taylor.value, taylor.gradient, taylor.hessian)
     }
 
-    /// Solves `min |x − y|²` subject to `f(y) = 0` by Newton's method on the equations of Lagrange, from a place nearby.
-    fn foot(&self, x: &SVector<f64, D>, start: &SVector<f64, D>) -> Foot<D> {
-        let mut place = *start;
-        let counts = self.grid.counts();
-        let longest = LONGEST * self.grid.spacing().min();
+    fn zero_set(&self) -> ZeroSet<'_, D> {
+        let longest = self.grid.spacing().min();
         let size = self.bounds.sides().amax() + longest;
-        let mut taylor = self.taylor(&place);
-        for _ in 0..MAX_STEPS {
-            let slope = taylor.gradient.norm();
-            // False for NaN too.
-            let steep = slope * longest > SINGULAR * self.jump;
-            if !steep {
-                return Foot { place, taylor, status: Status::Stalled };
-            }
-            let normal = taylor.gradient / slope;
-            let residual = x - self.grid.point(&place);
-            let height = residual.dot(&normal);
-            let across = -taylor.value / slope;
-            let along = residual - normal * height;
-            if along.norm().max(across.abs()) <= SETTLED * (size + residual.norm()) {
-                return Foot { place, taylor, status: Status::Converged };
-            }
-            // Of the Hessian of the Lagrangian I + μ ∇²f, μ = height / |∇f|, only the tangent part counts; the normal part
-            // of the step is that to the tangent plane of the level set.
-            let tangent = SMatrix::<f64, D, D>::identity() - normal * normal.transpose();
-            let bend = taylor.hessian * (height / slope);
-            let matrix = tangent * (SMatrix::identity() + bend) * tangent + normal * normal.transpose();
-            let right = along - tangent * (bend * normal) * across;
-            // Beyond a centre of curvature there is no minimum to go to: then as on a plane.
-            let step = matrix.cholesky().map_or(along, |factor| tangent * factor.solve(&right));
-            let mut step = step + normal * across;
-            let length = step.norm();
-            if !length.is_finite() {
-                return Foot { place, taylor, status: Status::Diverged };
-            }
-            if length > longest {
-                step *= longest / length;
-            }
-            let target = place + step.component_div(self.grid.spacing());
-            let next = SVector::from_fn(|d, _| target[d].clamp(0.0, (counts[d] - 1) as f64));
-            if next == place {
-                let on_border = next != target;
-                let status = if on_border { Status::OnBoundary } else { Status::Converged };
-                return Foot { place, taylor, status };
-            }
-            place = next;
-            taylor = self.taylor(&place);
-        }
-        // At the border of the grid the iteration slides along it: the zero set ends there.
-        let border = (0..D).any(|d| place[d] == 0.0 || place[d] == (counts[d] - 1) as f64);
-        Foot { place, taylor, status: if border { Status::OnBoundary } else { Status::MaxIterations } }
+        ZeroSet { grid: &self.grid, spline: &self.spline, jump: self.jump, size }
     }
 
     fn frame_with(
@@ -202,13 +143,14 @@ impl<const D: usize> LevelSetField<D> {
             return PrincipalFrame::invalid(Status::Diverged);
         };
         let seed = &self.crossings[nearest.index];
-        let mut foot = self.foot(x, seed);
+        let set = self.zero_set();
+        let mut foot = set.foot(x, seed);
         let mut point = self.grid.point(&foot.place);
         let known = self.grid.point(seed);
         if !foot.status.is_converged() || (x - point).norm() > nearest.distance() * (1.0 + 1e-12) {
             // Led astray: the crossing itself is on the zero set, and nearer.
             let status = if foot.status == Status::OnBoundary { foot.status } else { Status::Stalled };
-            (foot, point) = (Foot { place: *seed, taylor: self.taylor(seed), status }, known);
+            (foot, point) = (Foot { place: *seed, taylor: set.taylor(seed), status }, known);
         }
         let slope = foot.taylor.gradient.norm();
         let normal = foot.taylor.gradient / slope;
@@ -228,6 +170,79 @@ impl<const D: usize> LevelSetField<D> {
             hint: Hint::new(nearest.index, [0.0; 2]),
             status: foot.status,
         }
+    }
+}
+
+/// Curvature of a level set at its foot from that at a distance, along the same normal: offsets have a common centre of curvature.
+fn at_foot(curvature: f64, distance: f64) -> f64 {
+    let factor = 1.0 + distance * curvature;
+    // At the centre of curvature the foot is a point.
+    if factor.abs() > f64::EPSILON { curvature / factor } else { 0.0 }
+}
+
+/// Foot, unit normal, distance, and minus the Hessian as a share of the gradient, of a signed distance function at a point.
+type FromValues<const D: usize> = (SVector<f64, D>, SVector<f64, D>, f64, SMatrix<f64, D, D>);
+
+impl<const D: usize> LevelSetField<D> {
+    fn from_values(&self, x: &SVector<f64, D>) -> Option<FromValues<D>> {
+        if !x.iter().all(|c| c.is_finite()) {
+            return None;
+        }
+        let (value, gradient, hessian) = self.taylor(x);
+        let slope = gradient.norm();
+        let (normal, distance) = (gradient / slope, value / slope);
+        let is_regular = distance.is_finite() && normal.iter().all(|c| c.is_finite());
+        is_regular.then(|| (x - normal * distance, normal, distance, hessian * (-1.0 / slope)))
+    }
+}
+
+impl LevelSetField<2> {
+    /// The frame at a point from value, gradient and Hessian of the function there alone, without a search for the foot
+    /// (\[P05, sec. 4.6\]).
+    ///
+    /// `foot = x − (f/|∇f|) n`, and `d/(d − ρ)` is the curvature of the level set through `x` times `d`. Exact up to the error of the
+    /// spline where `f` is a signed distance; elsewhere of first order in the distance. Unusable
+    /// ([`Status::Stalled`]) where the gradient vanishes.
+    #[must_use]
+    pub fn frame_from_values(&self, x: &Vector2<f64>) -> PrincipalFrame<2> {
+        let Some((foot, normal, distance, tensor)) = self.from_values(x) else {
+            return PrincipalFrame::invalid(Status::Stalled);
+        };
+        let geometry = of_plane_normal(&tensor, &normal, distance);
+        frame_of(foot, geometry.axes, geometry.curvatures, distance)
+    }
+}
+
+impl LevelSetField<3> {
+    /// As in the plane.
+    #[must_use]
+    pub fn frame_from_values(&self, x: &Vector3<f64>) -> PrincipalFrame<3> {
+        let Some((foot, normal, distance, tensor)) = self.from_values(x) else {
+            return PrincipalFrame::invalid(Status::Stalled);
+        };
+        let geometry = of_tensor(&tensor, &normal, distance);
+        frame_of(foot, geometry.axes, geometry.curvatures, distance)
+    }
+}
+
+fn frame_of<const D: usize>(
+    foot: SVector<f64, D>,
+    axes: SMatrix<f64, D, D>,
+    mut curvatures: SVector<f64, D>,
+    distance: f64,
+) -> PrincipalFrame<D> {
+    for curvature in curvatures.iter_mut().take(D - 1) {
+        *curvature = at_foot(*curvature, distance);
+    }
+    PrincipalFrame {
+        foot,
+        axes,
+        curvatures,
+        tangent_dimension: D - 1,
+        distance,
+        on_boundary: false,
+        hint: Hint::NONE,
+        status: Status::Converged,
     }
 }
 

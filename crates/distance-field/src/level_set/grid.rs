@@ -90,23 +90,43 @@ impl<const D: usize> Grid<D> {
         &self.values
     }
 
+    /// The values by value, in the order of [`Grid::values`].
+    #[must_use]
+    pub fn into_values(self) -> Vec<f64> {
+        self.values
+    }
+
+    /// Where a node lies.
+    #[must_use]
+    pub fn position(&self, node: usize) -> SVector<f64, D> {
+        self.point(&self.node(node))
+    }
+
+    /// The same grid with other values.
+    ///
+    /// # Errors
+    /// As [`Grid::new`].
+    pub fn with_values(&self, values: Vec<f64>) -> Result<Self, Error> {
+        Self::new(self.origin, self.spacing, self.counts, values)
+    }
+
     /// Where a node is, in units of the spacing from the origin.
-    pub(super) fn node(&self, node: usize) -> SVector<f64, D> {
+    pub(crate) fn node(&self, node: usize) -> SVector<f64, D> {
         coordinates(node, &self.counts)
     }
 
     /// How far apart in `values` neighbours in a direction are.
-    pub(super) fn stride(&self, direction: usize) -> usize {
+    pub(crate) fn stride(&self, direction: usize) -> usize {
         self.counts[direction + 1..].iter().product()
     }
 
     /// The point at a place in units of the spacing.
-    pub(super) fn point(&self, place: &SVector<f64, D>) -> SVector<f64, D> {
+    pub(crate) fn point(&self, place: &SVector<f64, D>) -> SVector<f64, D> {
         self.origin + self.spacing.component_mul(place)
     }
 
     /// The place of a point in units of the spacing.
-    pub(super) fn place(&self, point: &SVector<f64, D>) -> SVector<f64, D> {
+    pub(crate) fn place(&self, point: &SVector<f64, D>) -> SVector<f64, D> {
         (point - self.origin).component_div(&self.spacing)
     }
 }

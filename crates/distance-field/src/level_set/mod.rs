@@ -2,8 +2,13 @@
 
 mod contour;
 mod field;
+mod foot;
 mod grid;
 mod spline;
 
+pub use contour::Saddles;
+pub(crate) use contour::crossings;
 pub use field::LevelSetField;
+pub(crate) use foot::ZeroSet;
 pub use grid::Grid;
+pub(crate) use spline::GridSpline;

@@ -8,21 +8,21 @@ use nalgebra::{SMatrix, SVector};
 
 /// Value, gradient and Hessian.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Taylor<const D: usize> {
-    pub(super) value: f64,
-    pub(super) gradient: SVector<f64, D>,
-    pub(super) hessian: SMatrix<f64, D, D>,
+pub(crate) struct Taylor<const D: usize> {
+    pub(crate) value: f64,
+    pub(crate) gradient: SVector<f64, D>,
+    pub(crate) hessian: SMatrix<f64, D, D>,
 }
 
 /// Coefficients of the spline; in each direction two more than nodes.
 #[derive(Clone, Debug)]
-pub(super) struct GridSpline<const D: usize> {
+pub(crate) struct GridSpline<const D: usize> {
     counts: [usize; D],
     coefficients: Vec<f64>,
 }
 
 impl<const D: usize> GridSpline<D> {
-    pub(super) fn new(grid: &Grid<D>) -> Self {
+    pub(crate) fn new(grid: &Grid<D>) -> Self {
         let mut counts = grid.counts();
         let mut values = grid.values().to_vec();
         for d in 0..D {
@@ -52,7 +52,7 @@ impl<const D: usize> GridSpline<D> {
 
     /// Value and derivatives at a place in units of the spacing, which is kept inside the grid; derivatives by these
     /// units.
-    pub(super) fn taylor(&self, place: &SVector<f64, D>) -> Taylor<D> {
+    pub(crate) fn taylor(&self, place: &SVector<f64, D>) -> Taylor<D> {
         let mut first = [0; D];
         let mut basis = [[[0.0; 4]; 3]; D];
         for d in 0..D {

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests may panic")]
 
+mod adaptive;
 mod analytic;
 mod cloud;
 mod common;
@@ -11,5 +12,6 @@ mod grid;
 mod level_set;
 mod mesh;
 mod planar_cloud;
+mod redistance;
 mod surface;
 mod threads;

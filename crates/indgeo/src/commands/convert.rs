@@ -4,6 +4,7 @@ use super::Outcome;
 use crate::cad_conversion;
 use crate::cad_output::{self, CadArgs, CadFormat};
 use crate::cad_tessellating;
+use crate::contour::refused;
 use crate::error::Error;
 use crate::files;
 use crate::report::{Input, Output, Report, Results, Timings};
@@ -12,6 +13,7 @@ use crate::wording::{counted, not_finite};
 use industrial_geometry::io::{
     Content, Format, Model, PolylineFormat, ReadOptions, WriteOptions, WriteReport, write_polylines,
 };
+use industrial_geometry::level_set::surface::remesh;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -34,6 +36,10 @@ pub(crate) struct Args {
     /// Largest distance between a curve or surface and its chords or triangles [default: a thousandth of the diagonal of the model]
     #[arg(long, value_name = "T", value_parser = super::numbers::length)]
     chord: Option<f64>,
+    /// Make a mesh anew, by way of its signed distance on a grid with N nodes along its longest side: closed and even, with its
+    /// sharp edges; parts thinner than a cell are lost
+    #[arg(long, value_name = "N")]
+    grid: Option<usize>,
     /// Leave out points with a coordinate that is NaN or infinite, and the triangles that use them
     #[arg(long)]
     drop_non_finite: bool,
@@ -56,6 +62,7 @@ Examples:
   indgeo convert scan.pcd scan.ply
   indgeo convert scan.ply scan.csv --drop-non-finite
   indgeo convert part.stl part.off
+  indgeo convert scan.stl closed.stl --grid 200
   indgeo convert surface.json surface.stl --chord 0.01
   indgeo convert section.json section.dxf
   indgeo convert surface.json surface.step --unit mm --name blade-3
@@ -76,7 +83,8 @@ pub(crate) struct ConvertResults {
     pub(crate) shapes: usize,
     /// Polylines.
     pub(crate) polylines: usize,
-    /// Largest distance of the shapes from their chords and triangles, where they were tessellated.
+    /// Largest distance of the shapes from their chords and triangles, where they were tessellated; of a mesh that was made anew from the
+    /// input, at vertices and middles of triangles.
     pub(crate) chord: Option<f64>,
 }
 
@@ -299,6 +307,7 @@ pub(crate) fn run(args: &Args, report: &mut Report) -> Result<Outcome, Error> {
     report.add_input(Input::new("file", &args.input, &loaded.report));
     let is_model = matches!(form, Some(Form::Content(Format::Json) | Form::Cad(_)))
         || (form.is_none() && files::is_stream(&args.output));
+    let mut is_made_anew = false;
     let (content, chord) = match loaded.content {
         Content::Nurbs(model) if !is_model => {
             let found = Timings::measure(&mut timings.compute, || {
@@ -307,9 +316,23 @@ pub(crate) fn run(args: &Args, report: &mut Report) -> Result<Outcome, Error> {
             let chord = Some(found.chord);
             (args.tessellated(&model, found)?, chord)
         }
+        Content::Mesh(mesh) if args.grid.is_some() => {
+            let nodes = args.grid.unwrap_or_default();
+            let found = Timings::measure(&mut timings.compute, || remesh(&mesh, nodes))
+                .map_err(|error| refused(&args.input, &error))?;
+            is_made_anew = true;
+            let gap = found.forth.max(found.back);
+            (Converted::Content(Box::new(Content::Mesh(found.mesh))), Some(gap))
+        }
         content => (Converted::Content(Box::new(content)), None),
     };
-    if args.chord.is_some() && chord.is_none() {
+    if args.grid.is_some() && !is_made_anew {
+        return Err(Error::usage(
+            "--grid has no effect: it makes meshes anew",
+            "leave it out, or give a mesh",
+        ));
+    }
+    if args.chord.is_some() && (chord.is_none() || is_made_anew) {
         return Err(Error::usage(
             "--chord has no effect",
             "leave it out, or give NURBS and an OUTPUT of triangles or polylines",
@@ -346,7 +369,10 @@ pub(crate) fn run(args: &Args, report: &mut Report) -> Result<Outcome, Error> {
         content.describe(),
         written.format.to_ascii_uppercase(),
         counted(written.bytes, "byte"),
-        chord.map_or_else(String::new, |chord| format!(", within {chord} of the shapes"))
+        chord.map_or_else(String::new, |chord| format!(
+            ", within {chord} of the {}",
+            if is_made_anew { "input" } else { "shapes" }
+        ))
     );
     Ok(Outcome::new(summary, true))
 }

@@ -9,7 +9,8 @@ use std::path::{Path, PathBuf};
 
 /// Distances from SHAPE at the nodes of a regular grid
 ///
-/// SHAPE is a cloud, curves or surfaces (NURBS), a mesh, or a scene: a source among polygonal obstacles in the plane, whose distances
+/// SHAPE is a cloud, curves or surfaces (NURBS), a mesh, an image (PNG, PGM: its contours at the level of Otsu, in pixels, y upwards, as
+/// `indgeo contour` finds them), or a scene: a source among polygonal obstacles in the plane, whose distances
 /// are the lengths of the shortest ways around them.
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = AFTER_HELP)]
@@ -59,6 +60,7 @@ Exit status 0: done; 1: a distance is not proven, or no way leads to a target; 2
 Examples:
   indgeo field part.stl -o distance.vti --grid 129x129x129 --signed
   indgeo field outline.json -o distance.npy --grid 512x512 --box 0,0,1,1 --picture distance.svg
+  indgeo field coins.png -o distance.npy --grid 257x257 --signed
   indgeo field scene.json -o distance.npy --grid 257x257 --path 0.9,0.9 --picture scene.svg --json -";
 
 /// Numbers of nodes.
@@ -67,7 +69,7 @@ pub(crate) struct Counts(Vec<usize>);
 
 /// The ends of a box.
 #[derive(Clone, Debug)]
-pub(crate) struct Bounds(Vec<f64>);
+pub(crate) struct Bounds(pub(crate) Vec<f64>);
 
 fn parse_grid(text: &str) -> Result<Counts, String> {
     let counts: Option<Vec<usize>> =
@@ -80,7 +82,7 @@ fn numbers(text: &str) -> Option<Vec<f64>> {
     text.split(',').map(|part| part.trim().parse().ok().filter(|number: &f64| number.is_finite())).collect()
 }
 
-fn parse_box(text: &str) -> Result<Bounds, String> {
+pub(super) fn parse_box(text: &str) -> Result<Bounds, String> {
     let bounds = numbers(text).filter(|bounds| matches!(bounds.len(), 4 | 6));
     bounds.map(Bounds).ok_or_else(|| "give four or six finite numbers: x0,y0[,z0],x1,y1[,z1]".to_owned())
 }

@@ -1,6 +1,7 @@
 //! The commands, one file each.
 
 pub(crate) mod align;
+pub(crate) mod contour;
 pub(crate) mod convert;
 pub(crate) mod demo;
 pub(crate) mod field;
@@ -86,6 +87,7 @@ pub(crate) fn run(command: &Command, common: &Common, report: &mut Report) -> Re
         Command::FitSurface(args) => fit_surface::run(args, common, report),
         Command::FitRuled(args) => fit_ruled::run(args, common, report),
         Command::FitSubdivision(args) => fit_subdivision::run(args, common, report),
+        Command::Contour(args) => contour::run(args, common, report),
         Command::Field(args) => field::run(args, common, report),
         Command::Geodesic(args) => geodesic::run(args, common, report),
         Command::Morphology(args) => morphology::run(args, common, report),

@@ -6,6 +6,7 @@ mod picture;
 mod scene_file;
 mod shape;
 
+use crate::contour::refused;
 use crate::error::Error;
 use crate::files;
 use crate::progress::Progress;
@@ -15,6 +16,7 @@ use industrial_geometry::distance_field::grid::{
     Element, Lattice, Medium, Scene, Seed, carry, march, seeds, seeds_on_faces, sweep,
 };
 use industrial_geometry::io::ReadOptions;
+use industrial_geometry::level_set::Image;
 use industrial_geometry::mesh::nalgebra::{SVector, Vector2};
 use serde::Serialize;
 use shape::{Shape, Sides};
@@ -26,6 +28,9 @@ const DEFAULT_NODES: [usize; 2] = [257, 65];
 const MARGIN: f64 = 0.1;
 /// Nodes around a source that are exact for marching of second order, in spacings.
 const BALL: f64 = 4.0;
+
+/// Distance of curves from the contours of an image above which it is said, in pixels.
+const WORST_CONTOUR: f64 = 0.05;
 
 /// How distances are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -102,7 +107,7 @@ pub(crate) struct FieldResults {
     pub(crate) rounds: Option<usize>,
     /// Points, segments or triangles that stand for the shape, for methods that go from node to node.
     pub(crate) elements: Option<usize>,
-    /// Largest distance of a curve or surface from these.
+    /// Largest distance of a curve or surface from these; of the contours of an image from the curves as well.
     pub(crate) chord: Option<f64>,
     /// Shortest ways, as asked for.
     pub(crate) paths: Vec<PathResult>,
@@ -157,16 +162,28 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
         let found = Timings::measure(&mut timings.compute, || in_scene(job, &scene, &lattice))?;
         return conclude(job, &lattice, found, form, timings, report);
     }
+    if Image::is_image(&bytes) {
+        let image = Timings::measure(&mut timings.read, || Image::from_bytes(&bytes));
+        let image = image.map_err(|error| refused(job.shape, &error))?;
+        without_targets(job)?;
+        report.add_input(Input::of_shapes("model", job.shape, "image", 0));
+        let (shape, gap) = Timings::measure(&mut timings.build, || shape::of_image(&image, job.shape))?;
+        if gap > WORST_CONTOUR {
+            report.warnings.push(format!(
+                "{}: the curves are up to {gap:.3} pixels from the contours of the image; smooth it first",
+                job.shape.display()
+            ));
+        }
+        let lattice = lattice::<2>(job, shape.bounds())?;
+        let mut found = of_shape(job, &shape, &lattice, &mut timings)?;
+        found.chord = Some(found.chord.unwrap_or(0.0) + gap);
+        return conclude(job, &lattice, found, form, timings, report);
+    }
     let loaded = Timings::measure(&mut timings.read, || {
         files::read_from_bytes(&bytes, job.shape, &ReadOptions::default())
     })?;
     drop(bytes);
-    if !job.targets.is_empty() {
-        return Err(Error::usage(
-            "--path asks for ways around obstacles",
-            "give a scene (see `indgeo field --help`)",
-        ));
-    }
+    without_targets(job)?;
     report.add_input(Input::new("model", job.shape, &loaded.report));
     report.warnings.extend(loaded.report.warnings.iter().map(|w| format!("{}: {w}", job.shape.display())));
     match Timings::measure(&mut timings.build, || shape::of_content(loaded.content, job.shape, job.signed))? {
@@ -181,6 +198,14 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
             conclude(job, &lattice, found, form, timings, report)
         }
     }
+}
+
+/// Ways lead around the obstacles of scenes only.
+fn without_targets(job: &Job<'_>) -> Result<(), Error> {
+    if job.targets.is_empty() {
+        return Ok(());
+    }
+    Err(Error::usage("--path asks for ways around obstacles", "give a scene (see `indgeo field --help`)"))
 }
 
 /// The grid that is asked for; `shape` is the box of the shape, or that of a scene.

@@ -1,12 +1,16 @@
 //! Shapes whose distance is asked for.
 
 use super::MARGIN;
+use crate::contour::plane::of_source;
+use crate::contour::refused;
 use crate::error::Error;
+use industrial_geometry::distance_field::LevelSetField;
 use industrial_geometry::distance_field::grid::{Element, Outline, Winding};
 use industrial_geometry::footpoint::{
     CurveProjector, ProjectionOptions, Status, SurfaceProjector, no_progress,
 };
 use industrial_geometry::io::{Content, Shape as NurbsShape};
+use industrial_geometry::level_set::Image;
 use industrial_geometry::mesh::nalgebra::{Point, Point3, SVector, Vector2, Vector3};
 use industrial_geometry::mesh::{CloudIndex, MeshProjector, TriangleMesh};
 use industrial_geometry::nurbs::{BsplineCurve, BsplineSurface, ParametricCurve, TessellationOptions};
@@ -16,6 +20,8 @@ use std::path::Path;
 const CHORD: f64 = 1e-3;
 /// Chord tolerance of the outline that decides what is inside of curves, in their size.
 const OUTLINE: f64 = 1e-6;
+/// Largest distance of curves from the contours of an image, in pixels.
+const CONTOUR: f64 = 0.02;
 /// Share of the size up to which the ends of a curve are one point.
 const CLOSED: f64 = 1e-9;
 
@@ -44,6 +50,13 @@ pub(super) enum Sides {
 pub(super) enum PlaneShape {
     Points(Vec<Vector2<f64>>, CloudIndex<2>),
     Curves(Vec<BsplineCurve<2>>, Box<CurveProjector<2>>, Outline),
+    /// The contours of an image, the level function that tells what is inside, and the size of the image.
+    Image {
+        curves: Vec<BsplineCurve<2>>,
+        projector: Box<CurveProjector<2>>,
+        level: Box<LevelSetField<2>>,
+        size: Vector2<f64>,
+    },
 }
 
 /// A shape in space.
@@ -93,6 +106,17 @@ pub(super) fn of_content(content: Content, path: &Path, signed: bool) -> Result<
         }
         Content::Nurbs(model) => of_shapes(model.into_shapes(), path, signed),
     }
+}
+
+/// The contours of an image at the level of Otsu as curves, and how far these are from the level set at most.
+pub(super) fn of_image(image: &Image, path: &Path) -> Result<(PlaneShape, f64), Error> {
+    let (field, fitted) = of_source(image, CONTOUR).map_err(|error| refused(path, &error))?;
+    let gap = fitted.iter().map(|contour| contour.forth.max(contour.back)).fold(0.0, f64::max);
+    let curves: Vec<BsplineCurve<2>> = fitted.into_iter().map(|contour| contour.curve).collect();
+    let model = |source| Error::Model { path: path.to_path_buf(), source };
+    let projector = Box::new(CurveProjector::for_model(&curves).map_err(model)?);
+    let size = Vector2::new(image.width() as f64, image.height() as f64);
+    Ok((PlaneShape::Image { curves, projector, level: Box::new(field), size }, gap))
 }
 
 fn index<const D: usize>(points: &[SVector<f64, D>]) -> Result<CloudIndex<D>, String> {
@@ -189,19 +213,20 @@ impl Shape<2> for PlaneShape {
                 let boxes = curves.iter().map(|curve| curve.bounding_box(1e-6));
                 grown(boxes.flat_map(|bounds| [bounds.min, bounds.max]))
             }
+            Self::Image { size, .. } => Some((Vector2::zeros(), *size)),
         }
     }
 
     fn distances(&self, points: &[Vector2<f64>], signed: bool) -> Result<Vec<(f64, bool)>, Error> {
         match self {
             Self::Points(_, index) => Ok(nearest(index, points)),
-            Self::Curves(_, projector, outline) => {
+            Self::Curves(_, projector, _) | Self::Image { projector, .. } => {
                 let found = projector.project_many(points, &ProjectionOptions::default(), &no_progress);
                 let found =
                     found.map_err(|error| Error::usage(error.to_string(), "see `indgeo field --help`"))?;
                 let signed = |(foot, x): (_, &Vector2<f64>)| {
                     let foot: industrial_geometry::footpoint::CurveFootpoint<2> = foot;
-                    (with_sign(foot.distance, signed && outline.holds(x)), is_proven(foot.status))
+                    (with_sign(foot.distance, signed && self.is_inside(x)), is_proven(foot.status))
                 };
                 Ok(found.into_iter().zip(points).map(signed).collect())
             }
@@ -211,12 +236,18 @@ impl Shape<2> for PlaneShape {
     fn elements(&self, cell: f64, path: &Path) -> Result<(Vec<Element<2>>, Option<f64>), Error> {
         match self {
             Self::Points(points, _) => Ok((points.iter().copied().map(Element::Point).collect(), None)),
-            Self::Curves(curves, ..) => Ok((segments(curves, CHORD * cell, path)?, Some(CHORD * cell))),
+            Self::Curves(curves, ..) | Self::Image { curves, .. } => {
+                Ok((segments(curves, CHORD * cell, path)?, Some(CHORD * cell)))
+            }
         }
     }
 
     fn is_inside(&self, x: &Vector2<f64>) -> bool {
-        matches!(self, Self::Curves(_, _, outline) if outline.holds(x))
+        match self {
+            Self::Points(..) => false,
+            Self::Curves(_, _, outline) => outline.holds(x),
+            Self::Image { level, .. } => level.value(x) < 0.0,
+        }
     }
 }
 

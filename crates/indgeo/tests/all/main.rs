@@ -8,6 +8,7 @@ mod browser;
 mod cad;
 mod cad_output;
 mod common;
+mod contour;
 mod degenerate;
 mod demo;
 mod errors;

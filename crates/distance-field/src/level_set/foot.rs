@@ -1,0 +1,102 @@
+//! The foot of a point on the zero set of a spline.
+
+use super::grid::Grid;
+use super::spline::{GridSpline, Taylor};
+use footpoint::Status;
+use nalgebra::{SMatrix, SVector};
+
+/// Limit of the iteration to a foot.
+const MAX_STEPS: usize = 40;
+/// Longest step, in cells: seeds are at most one cell from the feet that they lead to.
+const LONGEST: f64 = 1.0;
+/// A residual, as a share of the size of the grid, that counts as none.
+const SETTLED: f64 = 1e-13;
+/// Gradient, as a share of the largest value per cell, below which a point of the zero set is singular.
+const SINGULAR: f64 = 1e-9;
+
+/// A place on the zero set.
+pub(crate) struct Foot<const D: usize> {
+    /// In units of the spacing.
+    pub(crate) place: SVector<f64, D>,
+    /// The spline there, derivatives by the coordinates.
+    pub(crate) taylor: Taylor<D>,
+    /// How it was found.
+    pub(crate) status: Status,
+}
+
+/// The zero set of the spline through the values of a grid.
+pub(crate) struct ZeroSet<'a, const D: usize> {
+    pub(crate) grid: &'a Grid<D>,
+    pub(crate) spline: &'a GridSpline<D>,
+    /// Largest jump of the values between neighbouring nodes.
+    pub(crate) jump: f64,
+    /// Size of the zero set.
+    pub(crate) size: f64,
+}
+
+impl<const D: usize> ZeroSet<'_, D> {
+    /// Value and derivatives by the coordinates.
+    pub(crate) fn taylor(&self, place: &SVector<f64, D>) -> Taylor<D> {
+        let mut t = self.spline.taylor(place);
+        let h = self.grid.spacing();
+        t.gradient.component_div_assign(h);
+        for i in 0..D {
+            for j in 0..D {
+                t.hessian[(i, j)] /= h[i] * h[j];
+            }
+        }
+        t
+    }
+
+    /// Solves `min |x − y|²` subject to `f(y) = 0` by Newton's method on the equations of Lagrange, from a place nearby.
+    pub(crate) fn foot(&self, x: &SVector<f64, D>, start: &SVector<f64, D>) -> Foot<D> {
+        let mut place = *start;
+        let counts = self.grid.counts();
+        let longest = LONGEST * self.grid.spacing().min();
+        let mut taylor = self.taylor(&place);
+        for _ in 0..MAX_STEPS {
+            let slope = taylor.gradient.norm();
+            // False for NaN too.
+            let steep = slope * longest > SINGULAR * self.jump;
+            if !steep {
+                return Foot { place, taylor, status: Status::Stalled };
+            }
+            let normal = taylor.gradient / slope;
+            let residual = x - self.grid.point(&place);
+            let height = residual.dot(&normal);
+            let across = -taylor.value / slope;
+            let along = residual - normal * height;
+            if along.norm().max(across.abs()) <= SETTLED * (self.size + residual.norm()) {
+                return Foot { place, taylor, status: Status::Converged };
+            }
+            // Of the Hessian of the Lagrangian I + μ ∇²f, μ = height / |∇f|, only the tangent part counts; the normal part
+            // of the step is that to the tangent plane of the level set.
+            let tangent = SMatrix::<f64, D, D>::identity() - normal * normal.transpose();
+            let bend = taylor.hessian * (height / slope);
+            let matrix = tangent * (SMatrix::identity() + bend) * tangent + normal * normal.transpose();
+            let right = along - tangent * (bend * normal) * across;
+            // Beyond a centre of curvature there is no minimum to go to: then as on a plane.
+            let step = matrix.cholesky().map_or(along, |factor| tangent * factor.solve(&right));
+            let mut step = step + normal * across;
+            let length = step.norm();
+            if !length.is_finite() {
+                return Foot { place, taylor, status: Status::Diverged };
+            }
+            if length > longest {
+                step *= longest / length;
+            }
+            let target = place + step.component_div(self.grid.spacing());
+            let next = SVector::from_fn(|d, _| target[d].clamp(0.0, (counts[d] - 1) as f64));
+            if next == place {
+                let on_border = next != target;
+                let status = if on_border { Status::OnBoundary } else { Status::Converged };
+                return Foot { place, taylor, status };
+            }
+            place = next;
+            taylor = self.taylor(&place);
+        }
+        // At the border of the grid the iteration slides along it: the zero set ends there.
+        let border = (0..D).any(|d| place[d] == 0.0 || place[d] == (counts[d] - 1) as f64);
+        Foot { place, taylor, status: if border { Status::OnBoundary } else { Status::MaxIterations } }
+    }
+}

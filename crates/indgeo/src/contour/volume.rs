@@ -1,0 +1,100 @@
+//! Level sets of volumes.
+
+use super::source::{Source, level_function, without_effect};
+use super::{ContourResults, Job, MeshResult, Method, Region, refused};
+use crate::error::Error;
+use crate::files;
+use crate::report::{Output, Report, Timings};
+use crate::wording::counted;
+use industrial_geometry::distance_field::LevelSetField;
+use industrial_geometry::io::{Content, Format, WriteOptions};
+use industrial_geometry::level_set::Error as LevelSetError;
+use industrial_geometry::level_set::region::topology;
+use industrial_geometry::level_set::surface::{dual_contour, of_field, surface_gap};
+
+/// Tolerance where none is given, in cells.
+const TOLERANCE: f64 = 0.1;
+
+pub(super) fn run(job: &Job<'_>, source: &Source, report: &mut Report) -> Result<ContourResults, Error> {
+    let Source::Grid(grid) = source else {
+        return Err(Error::content(job.input, "this is no volume", "give a grid of three axes"));
+    };
+    let options = [
+        (job.method != Method::Threshold, "--method chan-vese or edges"),
+        (job.smooth.is_some(), "--smooth"),
+        (job.controls.is_some(), "--control-points"),
+        (job.min_area.is_some(), "--min-area"),
+        (job.is_held, "--topology fixed"),
+        (!job.start.is_empty(), "--start"),
+        (job.length_weight.is_some(), "--length-weight"),
+        (job.balloon.is_some(), "--balloon"),
+        (job.picture.is_some(), "--picture"),
+        (job.cad.unit.is_some(), "--unit"),
+        (job.cad.name.is_some(), "--name"),
+    ];
+    without_effect(&options, "a volume")?;
+    if let Some(path) = job.out {
+        let format = Format::from_extension(&files::extension(path));
+        let is_mesh = matches!(format, Some(Format::Stl | Format::Ply | Format::Obj | Format::Off));
+        if !is_mesh && !files::is_stream(path) {
+            let what = "a volume becomes a mesh, which this format does not hold";
+            let advice =
+                "choose .stl, .ply, .obj or .off; `indgeo fit-surface` fits a NURBS surface to a mesh";
+            return Err(Error::content(path, what, advice));
+        }
+    }
+    let failed = |error: LevelSetError| refused(job.input, &error);
+    let level = job.level.unwrap_or(0.0);
+    let mut timings = report.timings;
+    let (function, field) = Timings::measure(&mut timings.build, || -> Result<_, Error> {
+        let mut function = level_function::<3>(job, grid, level)?;
+        if job.inside == Region::Bright {
+            let values = function.values().iter().map(|value| -value).collect();
+            function = function.with_values(values).map_err(|error| failed(error.into()))?;
+        }
+        let field = LevelSetField::<3>::new(&function).map_err(|error| failed(error.into()))?;
+        Ok((function, field))
+    })?;
+    let (mesh, gap) = Timings::measure(&mut timings.compute, || {
+        let mesh = dual_contour(&function, of_field(&field))?;
+        let gap = surface_gap(&field, &mesh)?;
+        Ok((mesh, gap))
+    })
+    .map_err(failed)?;
+    let cell = function.spacing().min();
+    let tolerance = job.tolerance.unwrap_or(TOLERANCE * cell);
+    let region = topology(&function.counts(), function.values());
+    let max = gap.forth.max(gap.back);
+    let result = MeshResult {
+        vertices: mesh.vertices().len(),
+        triangles: mesh.triangles().len(),
+        closed: mesh.topology().is_closed(),
+        max_of_mesh: gap.forth,
+        max_of_level_set: gap.back,
+    };
+    if let Some(path) = job.out {
+        let content = counted(mesh.triangles().len(), "triangle");
+        let written = Timings::measure(&mut timings.write, || {
+            files::write_content(path, &Content::Mesh(mesh), &WriteOptions::default())
+        })?;
+        report.timings = timings;
+        report.add_output(Output { path: path.to_path_buf(), bytes: written.bytes, content });
+    }
+    report.timings = timings;
+    Ok(ContourResults {
+        method: job.method.name(),
+        size: grid.counts.clone(),
+        level: Some(level),
+        inside: Some(if job.inside == Region::Bright { "bright" } else { "dark" }),
+        smoothing: 0.0,
+        tolerance,
+        max: Some(max),
+        within_tolerance: max <= tolerance,
+        components: region.components,
+        holes: region.holes,
+        left_out: 0,
+        evolution: None,
+        contours: Vec::new(),
+        mesh: Some(result),
+    })
+}

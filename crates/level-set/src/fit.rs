@@ -1,0 +1,307 @@
+//! Level sets in the plane become B-spline curves (\[P05, sec. 4.6\]).
+
+use crate::contour::signed_area;
+use crate::measure::{Gap, along, gap};
+use crate::{Error, parallel};
+use distance_field::{ErrorTerm, LevelSetField};
+use mesh_core::Polyline;
+use nalgebra::Vector2;
+use nurbs_core::{BsplineCurve, CurveFitOptions, KnotVector};
+use sdm_fit::curve::self_crossings;
+use sdm_fit::{ActiveCurve, Constraints, Smoothing, Target, fit};
+
+/// Sensor points on each span of a curve.
+const SENSORS: usize = 6;
+/// Iterations of squared distance minimisation in each round.
+const ITERATIONS: usize = 30;
+/// Rounds of inserted knots at most.
+const ROUNDS: usize = 24;
+/// Rounds of parameter correction before a curve is drawn to the level set.
+const CORRECTIONS: usize = 3;
+/// Points of a contour on each span at least: fewer do not determine a curve.
+const PER_SPAN: usize = 3;
+/// Share of the length of a contour that becomes the first spans, and their number at least and at most.
+const FIRST: [usize; 2] = [6, 24];
+/// Cells of the grid for each of the first spans.
+const CELLS: f64 = 24.0;
+/// Factor of the bending energy in least squares starts: enough for spans without points, too little to be seen.
+const BENDING: f64 = 1e-12;
+
+/// What a curve for a contour shall be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FitOptions {
+    /// Degree; default 3.
+    pub degree: usize,
+    /// Number of control points of every curve, with even knots; by default as many as the tolerance asks for.
+    pub controls: Option<usize>,
+    /// Largest distance between curve and level set, in both directions, in the unit of the grid; default 0.1.
+    pub abs_tolerance: f64,
+    /// Most control points of a curve; default 1000.
+    pub max_controls: usize,
+}
+
+impl Default for FitOptions {
+    fn default() -> Self {
+        Self { degree: 3, controls: None, abs_tolerance: 0.1, max_controls: 1000 }
+    }
+}
+
+impl FitOptions {
+    /// The same options with another degree.
+    #[must_use]
+    pub fn with_degree(self, degree: usize) -> Self {
+        Self { degree, ..self }
+    }
+
+    /// The same options with a number of control points.
+    #[must_use]
+    pub fn with_controls(self, controls: Option<usize>) -> Self {
+        Self { controls, ..self }
+    }
+
+    /// The same options with another largest distance.
+    #[must_use]
+    pub fn with_abs_tolerance(self, abs_tolerance: f64) -> Self {
+        Self { abs_tolerance, ..self }
+    }
+
+    /// The same options with another limit on the control points.
+    #[must_use]
+    pub fn with_max_controls(self, max_controls: usize) -> Self {
+        Self { max_controls, ..self }
+    }
+
+    fn check(&self) -> Result<(), Error> {
+        let refuse = |option, value, what| Err(Error::Option { option, value, what });
+        if !(2..=10).contains(&self.degree) {
+            return refuse("degree", self.degree as f64, "it must be between 2 and 10");
+        }
+        if !(self.abs_tolerance > 0.0 && self.abs_tolerance.is_finite()) {
+            return refuse("tolerance", self.abs_tolerance, "it must be a positive length");
+        }
+        let least = 2 * self.degree;
+        if let Some(controls) = self.controls.filter(|&controls| controls < least || controls > 100_000) {
+            return refuse(
+                "controls",
+                controls as f64,
+                "it must be at least twice the degree, and at most 100000",
+            );
+        }
+        if self.max_controls < least {
+            return refuse("max_controls", self.max_controls as f64, "it must be at least twice the degree");
+        }
+        Ok(())
+    }
+}
+
+/// A curve for a contour.
+#[derive(Clone, Debug)]
+pub struct FittedContour {
+    /// The curve: periodic for a closed contour, clamped for an open one. The inside is on its left.
+    pub curve: BsplineCurve<2>,
+    /// Whether it is closed. Contours that are not end at the border of the grid.
+    pub is_closed: bool,
+    /// Whether it is closed and bounds a hole.
+    pub is_hole: bool,
+    /// The area within, of the contour; never negative.
+    pub area: f64,
+    /// The length of the contour.
+    pub length: f64,
+    /// Number of control points, those that repeat counted once.
+    pub controls: usize,
+    /// Largest distance of points of the curve from the level set, sixteen on each span.
+    pub forth: f64,
+    /// Largest distance of points of the contour from the curve, four or more in each cell.
+    pub back: f64,
+    /// How often the curve crosses itself.
+    pub crossings: usize,
+    /// Whether both distances are within the tolerance and the curve does not cross itself.
+    pub is_within: bool,
+}
+
+/// Fits a B-spline to each of the contours of a level set. Runs in parallel; results do not depend on the number of threads.
+///
+/// A curve starts as a least squares spline through points of the contour by their length, and is then drawn to the level set by squared
+/// distance minimisation: sensor points on the curve, the distance field of the level set. Knots are inserted in the middle of spans
+/// that are not within the tolerance.
+///
+/// # Errors
+/// [`Error::Option`] for options that cannot be used.
+pub fn fit_contours(
+    field: &LevelSetField<2>,
+    contours: &[Polyline<2>],
+    options: &FitOptions,
+) -> Result<Vec<FittedContour>, Error> {
+    options.check()?;
+    parallel::tasks(contours.len(), |k| fit_contour(field, &contours[k], options)).into_iter().collect()
+}
+
+/// A contour with its points.
+struct Work<'a> {
+    field: &'a LevelSetField<2>,
+    samples: Vec<(f64, Vector2<f64>)>,
+    length: f64,
+    is_closed: bool,
+    options: &'a FitOptions,
+}
+
+fn fit_contour(
+    field: &LevelSetField<2>,
+    contour: &Polyline<2>,
+    options: &FitOptions,
+) -> Result<FittedContour, Error> {
+    let work = Work {
+        field,
+        samples: along(field, contour),
+        length: contour.length(),
+        is_closed: contour.is_closed(),
+        options,
+    };
+    let (curve, gap) = work.best()?;
+    let crossings = self_crossings(&curve).len();
+    let mut ring: Vec<_> = contour.vertices().to_vec();
+    ring.extend(contour.vertices().first().copied());
+    let area = signed_area(&Polyline::new(ring, false)?);
+    let controls = curve.knots().distinct_count();
+    Ok(FittedContour {
+        is_within: gap.largest() <= options.abs_tolerance && crossings == 0,
+        curve,
+        is_closed: work.is_closed,
+        is_hole: work.is_closed && area < 0.0,
+        area: area.abs(),
+        length: work.length,
+        controls,
+        forth: gap.forth,
+        back: gap.back,
+        crossings,
+    })
+}
+
+impl Work<'_> {
+    /// The curve that is asked for, or the nearest one that was found.
+    fn best(&self) -> Result<(BsplineCurve<2>, Gap), Error> {
+        let even = |spans: usize| (0..=spans).map(|k| k as f64 / spans as f64).collect::<Vec<f64>>();
+        let degree = self.options.degree;
+        if let Some(controls) = self.options.controls {
+            let spans = if self.is_closed { controls } else { controls - degree };
+            return self.drawn(&even(spans));
+        }
+        let cells = self.length / self.field.grid().spacing().amax();
+        let first = (cells / CELLS).ceil().clamp(FIRST[0] as f64, FIRST[1] as f64);
+        let least = if self.is_closed { 2 * degree } else { 1 };
+        let mut breaks = even(to_count(first).max(least));
+        let mut best: Option<(BsplineCurve<2>, Gap)> = None;
+        for _ in 0..ROUNDS {
+            let (curve, gap) = self.drawn(&breaks)?;
+            let is_near = gap.largest() <= self.options.abs_tolerance;
+            // Looked for where the distances are good: only then it decides.
+            let crossings = if is_near { self_crossings(&curve) } else { Vec::new() };
+            let split = self.split(&breaks, &gap, &crossings);
+            let is_better = best.as_ref().is_none_or(|(_, known)| gap.largest() < known.largest());
+            let is_within = is_near && crossings.is_empty();
+            if is_better || is_within {
+                best = Some((curve, gap));
+            }
+            let most = self.options.max_controls;
+            if is_within || split.len() == breaks.len() || split.len() + degree > most {
+                break;
+            }
+            breaks = split;
+        }
+        best.ok_or_else(|| Error::Empty { what: "no curve was found for a contour".to_owned() })
+    }
+
+    /// The breaks with the middle of each span that is not within the tolerance or in which the curve crosses itself, as long as there are
+    /// points for it.
+    fn split(&self, breaks: &[f64], gap: &Gap, crossings: &[[f64; 2]]) -> Vec<f64> {
+        let mut out = Vec::with_capacity(2 * breaks.len());
+        for (pair, error) in breaks.windows(2).zip(&gap.spans) {
+            out.push(pair[0]);
+            let within = |t: &&f64| pair[0] <= **t && **t < pair[1];
+            let points = gap.parameters.iter().filter(within).count();
+            let crosses = crossings.iter().flatten().any(|t| pair[0] <= *t && *t <= pair[1]);
+            let is_good = *error <= self.options.abs_tolerance && !crosses;
+            if !is_good && points >= 2 * PER_SPAN {
+                out.push(0.5 * (pair[0] + pair[1]));
+            }
+        }
+        out.extend(breaks.last());
+        out
+    }
+
+    fn knots(&self, breaks: &[f64]) -> Result<KnotVector, Error> {
+        let degree = self.options.degree;
+        let spans = breaks.len() - 1;
+        if !self.is_closed {
+            let ends = |t: f64| std::iter::repeat_n(t, degree + 1);
+            let inner = breaks[1..spans].iter().copied();
+            return Ok(KnotVector::new(degree, ends(0.0).chain(inner).chain(ends(1.0)).collect())?);
+        }
+        // Breaks of the periods before and after.
+        let at = |k: usize| breaks[k % spans] + (k / spans) as f64 - 1.0;
+        Ok(KnotVector::periodic(degree, (spans - degree..=2 * spans + degree).map(at).collect())?)
+    }
+
+    /// The curve with knots at given breaks in `[0, 1]`, drawn to the level set.
+    fn drawn(&self, breaks: &[f64]) -> Result<(BsplineCurve<2>, Gap), Error> {
+        let points: Vec<Vector2<f64>> = self.samples.iter().map(|(_, point)| *point).collect();
+        let mut parameters: Vec<f64> = self.samples.iter().map(|(length, _)| length / self.length).collect();
+        let knots = self.knots(breaks)?;
+        let mut options = CurveFitOptions::default().with_regularization(BENDING);
+        if !self.is_closed
+            && let [first, .., last] = points.as_slice()
+        {
+            options = options.with_end_points(*first, *last);
+        }
+        let mut best: Option<(BsplineCurve<2>, Gap)> = None;
+        let keep = |best: &mut Option<(BsplineCurve<2>, Gap)>, curve: BsplineCurve<2>, gap: Gap| {
+            if best.as_ref().is_none_or(|(_, known)| gap.largest() < known.largest()) {
+                *best = Some((curve, gap));
+            }
+        };
+        for _ in 0..CORRECTIONS {
+            let curve = BsplineCurve::approximate(knots.clone(), &parameters, &points, &options)?.shape;
+            let gap = gap(self.field, &self.samples, &curve)?;
+            let is_within = gap.largest() <= self.options.abs_tolerance;
+            parameters.clone_from(&gap.parameters);
+            keep(&mut best, curve, gap);
+            if is_within && self.options.controls.is_none() {
+                break;
+            }
+        }
+        let Some((start, before)) = best.take() else {
+            return Err(Error::Empty { what: "a contour has no points".to_owned() });
+        };
+        if before.largest() <= self.options.abs_tolerance && self.options.controls.is_none() {
+            return Ok((start, before));
+        }
+        let drawn = self.by_distance(&start)?;
+        let after = gap(self.field, &self.samples, &drawn)?;
+        best = Some((start, before));
+        keep(&mut best, drawn, after);
+        best.ok_or_else(|| Error::Empty { what: "a contour has no points".to_owned() })
+    }
+
+    /// Squared distance minimisation on the field of the level set.
+    fn by_distance(&self, start: &BsplineCurve<2>) -> Result<BsplineCurve<2>, Error> {
+        let target = Target::Model { field: self.field, sensors: SENSORS, boundary: true };
+        let mut constraints = Constraints::none();
+        if !self.is_closed {
+            let net = start.control_points();
+            let last = net.len() - 1;
+            constraints = constraints.with_held(0, net[0]).with_held(last, net[last]);
+        }
+        let options = sdm_fit::FitOptions::default()
+            .with_term(ErrorTerm::SquaredDistance)
+            .with_smoothing(Smoothing::Continuation { start: 1e-6, factor: 0.25, floor: 0.0 })
+            .with_max_iterations(ITERATIONS);
+        let fitted = fit(ActiveCurve::new(start.clone())?, target, &constraints, &options)?;
+        Ok(fitted.shape.into_curve())
+    }
+}
+
+/// A small whole number.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a few dozen")]
+fn to_count(value: f64) -> usize {
+    value as usize
+}

@@ -1,0 +1,93 @@
+//! How far a curve and a level set are apart, from both sides.
+
+use crate::Error;
+use distance_field::{DistanceField, Hint, LevelSetField, Search};
+use footpoint::CurveProjector;
+use mesh_core::Polyline;
+use nalgebra::Vector2;
+use nurbs_core::{BsplineCurve, ParametricCurve};
+
+/// Samples of a curve on each of its spans, its ends included.
+const PER_SPAN: usize = 16;
+
+/// Shares of the way between vertices at which points are taken.
+const BETWEEN: [f64; 3] = [0.25, 0.5, 0.75];
+
+/// Points of the level set along a contour: its vertices, and the feet of three points on each chord between them.
+///
+/// Between neighbours is at most about a third of a cell. Each has its length along the contour.
+pub(crate) fn along(field: &LevelSetField<2>, contour: &Polyline<2>) -> Vec<(f64, Vector2<f64>)> {
+    let vertices = contour.vertices();
+    let mut out = Vec::with_capacity(2 * vertices.len());
+    for (k, vertex) in vertices.iter().enumerate() {
+        let length = contour.cumulative_lengths()[k.min(contour.cumulative_lengths().len() - 1)];
+        out.push((length, vertex.coords));
+        let Some([a, b]) = contour.segment(k) else { continue };
+        let step = (b - a).norm();
+        for share in BETWEEN {
+            let chord = a.coords.lerp(&b.coords, share);
+            let frame = field.frame(&chord, Search::Global, &Hint::NONE);
+            // Where another part is nearer, or the foot is none, the vertices speak for the part between them.
+            if frame.status.is_converged() && frame.distance.abs() <= 0.5 * step {
+                out.push((length + share * step, frame.foot));
+            }
+        }
+    }
+    out
+}
+
+/// Largest distances between a curve and a level set.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Gap {
+    /// Of points of the curve from the level set.
+    pub(crate) forth: f64,
+    /// Of points of the contour from the curve.
+    pub(crate) back: f64,
+    /// The larger of both on each span of the curve, in the order of its spans.
+    pub(crate) spans: Vec<f64>,
+    /// The parameters of the feet of the points of the contour.
+    pub(crate) parameters: Vec<f64>,
+}
+
+impl Gap {
+    pub(crate) fn largest(&self) -> f64 {
+        // Not a number stays so.
+        if self.forth.is_nan() { self.forth } else { self.forth.max(self.back) }
+    }
+}
+
+pub(crate) fn gap(
+    field: &LevelSetField<2>,
+    samples: &[(f64, Vector2<f64>)],
+    curve: &BsplineCurve<2>,
+) -> Result<Gap, Error> {
+    let knots = curve.knots();
+    let intervals: Vec<_> = knots.spans().map(|span| knots.span_interval(span)).collect();
+    let mut spans = vec![0.0f64; intervals.len()];
+    let mut forth = 0.0f64;
+    let points: Vec<Vector2<f64>> = intervals
+        .iter()
+        .flat_map(|interval| (0..=PER_SPAN).map(|k| interval.lerp(k as f64 / PER_SPAN as f64)))
+        .map(|t| curve.point(t))
+        .collect();
+    for (k, frame) in field.frames(&points, Search::Global, &[]).iter().enumerate() {
+        // The nearest point, foot or not, is on the level set.
+        let distance = (points[k] - frame.foot).norm();
+        forth = if distance <= forth { forth } else { distance };
+        let span = &mut spans[k / (PER_SPAN + 1)];
+        *span = if distance <= *span { *span } else { distance };
+    }
+    let projector = CurveProjector::new(curve);
+    let queries: Vec<Vector2<f64>> = samples.iter().map(|(_, point)| *point).collect();
+    let mut back = 0.0f64;
+    let mut parameters = Vec::with_capacity(queries.len());
+    for foot in projector.project_all(&queries) {
+        back = if foot.distance <= back { back } else { foot.distance };
+        parameters.push(foot.parameter);
+        let t = foot.parameter;
+        if let Some(span) = intervals.iter().position(|i| i.start() <= t && t <= i.end()) {
+            spans[span] = spans[span].max(foot.distance);
+        }
+    }
+    Ok(Gap { forth, back, spans, parameters })
+}
