@@ -179,9 +179,11 @@ fn advice(report: &CurveReport) -> &'static str {
     let coverage = &report.coverage;
     if coverage.spread_out {
         "take points of a section or an outline"
+    } else if coverage.holds() && report.open_ends.is_some() {
+        "say with --closed or --open which it is"
     } else if !coverage.is_complete() {
         "add points there, split the file, or say with --max-gap how wide a gap may be"
-    } else if coverage.points_far * 10 < report.points {
+    } else if coverage.points_far > 0 && coverage.points_far * 10 < report.points {
         "leave out points that do not belong to it (--outliers automatic), or allow more control points"
     } else {
         "allow more control points, give a start (--init), or search for it (--search)"
