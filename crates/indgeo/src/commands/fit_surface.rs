@@ -85,12 +85,13 @@ The report (--json) holds in `results`: `status`, `rms`, `max`, `max_index`, `la
 cylinder, sphere or torus: what the first parameters were taken from), `start` (why, and how near the base surface and the least
 squares surface were, before the distances were minimised), `control_points`, `share_within` and `within_tolerance` (with a
 tolerance), `folds` (cells in which the surface folds back on itself), `coverage` (how near every part of the surface is to the points:
-`rms`, `max`, `area_without_data`, in units and in spacings), `points_dropped` (points that are not finite). `max` and `share_within` are
+`rms`, `max`, `area_without_data`, in units and in spacings), `trim_loops` (loops in (u, v), in the output, that bound an open surface where the data end, if
+their outline is no rectangle), `points_dropped` (points that are not finite). `max` and `share_within` are
 those of all finite points, whether they were used or not.
 
 Exit status 0: the tolerance holds, or, without one, the iteration converged, and every part of the surface is near points; 1: it does not
 hold, the iteration did not converge, or the surface folds, does not follow the points, leaves some of them out, has parts farther from
-all points than three times their spacing (or noise, or the tolerance), or the points are of no kind that is known (the surface is
+all points than three times their spacing (or noise, or the tolerance) within its loops, or the points are of no kind that is known (the surface is
 written nevertheless); 2: bad input or usage, as points that are not of the kind that was asked for, or not one surface; 130:
 interrupted.
 
