@@ -64,7 +64,7 @@ pub use status::Status;
 pub use surface::{
     ActiveSurface, BaseShape, Folds, InitialSurface, NetSize, SurfaceCost, SurfaceDistances, SurfaceFit,
     SurfaceOptions, SurfaceReport, cut_to_feet, fit_cloud, fit_cloud_with_progress, fit_surface,
-    fit_surface_with_progress, initial_surface, residual_disagreement, surface_costs, surface_frames,
-    with_controls,
+    fit_surface_to_model, fit_surface_to_model_with_progress, fit_surface_with_progress, initial_surface,
+    residual_disagreement, surface_costs, surface_frames, with_controls,
 };
 pub use target::Target;

@@ -92,3 +92,40 @@ fn discs_and_angles_end_where_their_points_do() {
     let run = bench.run("info bad.json");
     assert!(run.code == 2 && run.stderr.contains("trim") && run.stderr.contains("domain"), "{}", run.stderr);
 }
+
+#[test]
+fn a_mesh_is_a_model_for_a_surface_of_few_control_points() {
+    let bench = Bench::new();
+    // A saddle of 24 x 24 cells, two triangles each.
+    let n = 24;
+    let at = |k: usize| -1.0 + 2.0 * k as f64 / n as f64;
+    let mut text = String::new();
+    for i in 0..=n {
+        for j in 0..=n {
+            let (x, y) = (2.0 * at(i), at(j));
+            text += &format!("v {x} {y} {}\n", 0.3 * x * x - 0.4 * y * y);
+        }
+    }
+    let number_of = |i: usize, j: usize| i * (n + 1) + j + 1;
+    for i in 0..n {
+        for j in 0..n {
+            let [a, b] = [number_of(i, j), number_of(i + 1, j)];
+            text += &format!("f {a} {b} {}\nf {a} {} {}\n", b + 1, b + 1, a + 1);
+        }
+    }
+    bench.put("saddle.obj", text);
+    let run =
+        bench.run("fit-surface --model saddle.obj -o s.json --degrees 3x3 --control-points 5x8 --json -");
+    assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+    let found = results(&run);
+    assert_eq!(found["folds"]["folded"].as_array().map_or(0, Vec::len), 0, "{found}");
+    assert_eq!(found["control_points"], serde_json::json!([5, 8]));
+    // Triangles of that size leave the saddle by 1e-3.
+    assert!(number(&found["rms"]) < 5e-3, "{found}");
+    let surface = crate::common::known::Surface::read(&bench, "s.json");
+    let off = surface.farthest(|p| (p[2] - 0.3 * p[0] * p[0] + 0.4 * p[1] * p[1]).abs());
+    assert!(off < 0.02, "{off}");
+    // Points and a model at once make no sense.
+    assert_eq!(bench.run("fit-surface saddle.obj --model saddle.obj -o s.json").code, 2);
+    assert_eq!(bench.run("fit-surface -o s.json").code, 2);
+}
