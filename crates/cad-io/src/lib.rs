@@ -37,6 +37,7 @@ mod natural;
 #[cfg(feature = "step")]
 mod step;
 mod step_text;
+mod trimmed;
 mod write;
 
 pub use brep_core::description;

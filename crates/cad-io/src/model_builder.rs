@@ -1,11 +1,11 @@
 //! Descriptions of shapes that come from fits and from files without loops.
 
-use crate::{Error, natural};
+use crate::{Error, natural, trimmed};
 use brep_core::description::{
     Carrier, EdgeCurve, FaceDescription, FreeCurve, InstanceDescription, LengthUnit, LoopDescription,
     ModelDescription, PartDescription, Placement, ShellDescription,
 };
-use nurbs_core::{AnalyticSurface, BsplineCurve, BsplineSurface, ParametricCurve};
+use nurbs_core::{AnalyticSurface, BsplineCurve, BsplineSurface, ParametricCurve, TrimLoops};
 use std::sync::Arc;
 
 /// Surfaces and curves as the faces and free curves of one part.
@@ -40,6 +40,28 @@ impl ModelBuilder {
     pub fn surface(&mut self, name: impl Into<String>, surface: BsplineSurface) {
         let carrier = Carrier::Nurbs(Arc::new(surface));
         self.face(name.into(), carrier, Vec::new());
+    }
+
+    /// Adds the piece of a B-spline surface that loops in its parameters bound, as a face with one edge for each loop.
+    ///
+    /// The edges are polygons with vertices on the surface, so many that they leave it by no more than 1e-5 of its size.
+    ///
+    /// # Errors
+    /// [`Error::Unwritable`] for loops that cannot be made edges.
+    pub fn trimmed_surface(
+        &mut self,
+        name: impl Into<String>,
+        surface: BsplineSurface,
+        trim: &TrimLoops,
+    ) -> Result<(), Error> {
+        let name = name.into();
+        let loops = trimmed::loops(&surface, trim, &mut self.part);
+        let loops = loops.map_err(|error| Error::Unwritable {
+            what: format!("face \"{name}\""),
+            why: error.to_string(),
+        })?;
+        self.face(name, Carrier::Nurbs(Arc::new(surface)), loops);
+        Ok(())
     }
 
     /// Adds a piece of a plane, cylinder, cone, sphere or torus as a face with the boundary that its domain gives.

@@ -102,7 +102,12 @@ impl CadArgs {
             let own = model.name(index).filter(|_| self.name.is_none() || model.shapes().len() > 1);
             let own = own.unwrap_or(name);
             match shape {
-                Shape::Surface(surface) => builder.surface(own, surface.clone()),
+                Shape::Surface(surface) => match model.trim(index) {
+                    Some(trim) => builder
+                        .trimmed_surface(own, surface.clone(), trim)
+                        .map_err(|error| refused(path, &error))?,
+                    None => builder.surface(own, surface.clone()),
+                },
                 Shape::Curve3(curve) => builder.curve(own, curve.clone()),
                 Shape::Curve2(curve) => {
                     let curve = in_space(curve);
@@ -116,12 +121,10 @@ impl CadArgs {
 
     /// The same model with the name that was typed.
     pub(crate) fn named(&self, model: Model) -> Model {
-        let Some(name) = &self.name else { return model };
-        let mut named = Model::default();
-        for shape in model.into_shapes() {
-            named.push(shape, Some(name.clone()));
+        match &self.name {
+            Some(name) => model.renamed(name),
+            None => model,
         }
-        named
     }
 }
 

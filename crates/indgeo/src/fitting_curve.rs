@@ -9,24 +9,29 @@ use crate::fitting_input::{check_paths, put_model, warn_dropped};
 use crate::progress::Progress;
 use crate::report::{Input, Output, Report, Results, Timings};
 use crate::wording::counted;
-use industrial_geometry::distance_field::ErrorTerm;
+use industrial_geometry::distance_field::{CurveField, ErrorTerm};
 use industrial_geometry::fit::curve::{
-    CurveFit, CurveOptions, CurvePart, CurveReport, PointFoot, fit_curve_with_progress,
-    fit_curves_with_progress,
+    CurveFit, CurveOptions, CurvePart, CurveReport, PointFoot, fit_curve_to_model_with_progress,
+    fit_curve_with_progress, fit_curves_with_progress,
 };
 use industrial_geometry::fit::{Error as FitError, StepControl, StepRecord};
 use industrial_geometry::io::{Content, Model, ReadOptions, Shape};
-use industrial_geometry::nurbs::BsplineCurve;
 use industrial_geometry::nurbs::nalgebra::{SVector, Vector3};
+use industrial_geometry::nurbs::{BsplineCurve, ParametricCurve};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::Path;
 
+/// Points along the curves of a model.
+const SAMPLES: usize = 2000;
+
 /// What is to be done.
 #[derive(Debug)]
 pub(crate) struct Job<'a> {
-    /// File of the points.
+    /// File of the points, or of the model.
     pub(crate) points: &'a Path,
+    /// Sensor points in each span, if it is a model.
+    pub(crate) sensors: Option<usize>,
     /// File of the curve to start from.
     pub(crate) init: Option<&'a Path>,
     /// File of the curve.
@@ -68,6 +73,11 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Erro
     check_paths(&inputs, &outputs)?;
     let loaded =
         Timings::measure(&mut report.timings.read, || files::read(job.points, &ReadOptions::default()))?;
+    if let Some(sensors) = job.sensors {
+        report.add_input(Input::new("model", job.points, &loaded.report));
+        let start = job.init.map(|path| start(path, report)).transpose()?;
+        return to_model(job, loaded.content, start, sensors, report);
+    }
     report.add_input(Input::new("points", job.points, &loaded.report));
     let (points, planar) = positions(&loaded.content, job.points)?;
     match job.init.map(|path| start(path, report)).transpose()? {
@@ -138,6 +148,84 @@ where
         None => fit_curves_with_progress(points, &job.options, &tell),
     });
     drop(progress);
+    finished(job, points, found, report)
+}
+
+/// The fit to the curves of a model.
+fn to_model(
+    job: &Job<'_>,
+    content: Content,
+    start: Option<Start>,
+    sensors: usize,
+    report: &mut Report,
+) -> Result<FitVerdict, Error> {
+    let Content::Nurbs(model) = content else {
+        let what = "a model of curves is needed";
+        return Err(Error::content(job.points, what, "give NURBS curves (JSON), or leave out --model"));
+    };
+    let (mut plane, mut space) = (Vec::new(), Vec::new());
+    for shape in model.into_shapes() {
+        match shape {
+            Shape::Curve2(curve) => plane.push(curve),
+            Shape::Curve3(curve) => space.push(curve),
+            Shape::Surface(_) => {}
+        }
+    }
+    match (plane.is_empty(), space.is_empty(), start) {
+        (false, true, Some(Start::Plane(start))) => modelled(job, &plane, Some(&start), sensors, report),
+        (false, true, None) => modelled(job, &plane, None, sensors, report),
+        (true, false, Some(Start::Space(start))) => modelled(job, &space, Some(&start), sensors, report),
+        (true, false, None) => modelled(job, &space, None, sensors, report),
+        (true, true, _) => {
+            let what = "the model has no curves";
+            Err(Error::content(job.points, what, "give curves, or take `indgeo fit-surface --model`"))
+        }
+        _ => {
+            let what = "the curves of the model and the start lie in the plane and in space";
+            Err(Error::content(job.points, what, "give both in the plane, or both in space"))
+        }
+    }
+}
+
+fn modelled<const D: usize>(
+    job: &Job<'_>,
+    model: &[BsplineCurve<D>],
+    start: Option<&BsplineCurve<D>>,
+    sensors: usize,
+    report: &mut Report,
+) -> Result<FitVerdict, Error>
+where
+    BsplineCurve<D>: Into<Shape>,
+{
+    let field = CurveField::for_model(model)
+        .map_err(|error| Error::content(job.points, error.to_string(), "check it with `indgeo info`"))?;
+    let each = (SAMPLES / model.len()).max(2);
+    let along = |curve: &BsplineCurve<D>| -> Vec<SVector<f64, D>> {
+        let domain = curve.domain();
+        (0..each).map(|k| curve.point(domain.lerp(k as f64 / (each - 1) as f64))).collect()
+    };
+    let samples: Vec<SVector<f64, D>> = model.iter().flat_map(along).collect();
+    let progress = Progress::iterations("fitting", job.quiet);
+    let most = job.options.fit.max_iterations;
+    let tell = |step: &StepRecord| told(&progress, step, most);
+    let found = Timings::measure(&mut report.timings.compute, || {
+        fit_curve_to_model_with_progress(&field, &samples, start, sensors, &job.options, &tell)
+    });
+    drop(progress);
+    let found = found.map(|fit| vec![CurvePart { points: (0..samples.len()).collect(), fit }]);
+    finished(job, &samples, found, report)
+}
+
+/// Writes what was found, and says how it went.
+fn finished<const D: usize>(
+    job: &Job<'_>,
+    points: &[SVector<f64, D>],
+    found: Result<Vec<CurvePart<D>>, FitError>,
+    report: &mut Report,
+) -> Result<FitVerdict, Error>
+where
+    BsplineCurve<D>: Into<Shape>,
+{
     let found = found.map_err(|error| refused(job, &error))?;
     let reports: Vec<CurveReport> = found.iter().map(|part| part.fit.report.clone()).collect();
     let fitted = CurveReport::together(&reports);
@@ -179,9 +267,11 @@ fn advice(report: &CurveReport) -> &'static str {
     let coverage = &report.coverage;
     if coverage.spread_out {
         "take points of a section or an outline"
+    } else if coverage.holds() && report.open_ends.is_some() {
+        "say with --closed or --open which it is"
     } else if !coverage.is_complete() {
         "add points there, split the file, or say with --max-gap how wide a gap may be"
-    } else if coverage.points_far * 10 < report.points {
+    } else if coverage.points_far > 0 && coverage.points_far * 10 < report.points {
         "leave out points that do not belong to it (--outliers automatic), or allow more control points"
     } else {
         "allow more control points, give a start (--init), or search for it (--search)"

@@ -109,7 +109,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Erro
     report.count_points("points", fit.points_dropped, fit.points_used);
     let incomplete = warn_incomplete(fitted.coverage.as_ref(), report);
     let (tolerance, robust) = (job.options.abs_tolerance, job.options.ruled.fit.robust);
-    let judged = |coverage: &SurfaceCoverage| Judgement::of(&distances, coverage, tolerance, robust);
+    let judged = |coverage: &SurfaceCoverage| Judgement::of(&points, &distances, coverage, tolerance, robust);
     let judgement = fitted.coverage.as_ref().map(judged).unwrap_or_default();
     let unmet = judgement.warn(job.points, fit.rms, report);
     let verdict = fit.verdict().without(unmet || incomplete || folds.count() > 0);

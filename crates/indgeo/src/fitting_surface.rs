@@ -17,13 +17,14 @@ use industrial_geometry::fit::{
     BaseShape, Error as FitError, Folds, StepRecord, SurfaceCoverage, SurfaceDistances, SurfaceOptions,
     fit_surface_with_progress, with_controls,
 };
+use industrial_geometry::io::Model;
 use serde::Serialize;
 use std::path::Path;
 
 /// What is to be done.
 #[derive(Debug)]
 pub(crate) struct Job<'a> {
-    /// File of the points.
+    /// File of the points, or of the model.
     pub(crate) points: &'a Path,
     /// File of the surface to start from.
     pub(crate) init: Option<&'a Path>,
@@ -55,8 +56,10 @@ pub(crate) struct SurfaceResults {
     pub(crate) runs: usize,
     /// Cells in which the surface folds back on itself.
     pub(crate) folds: Folds,
-    /// How near the parts of the surface are to the points.
+    /// How near the parts of the surface, as far as the data go, are to the points.
     pub(crate) coverage: Option<SurfaceCoverage>,
+    /// Loops that bound the surface where the data end; 0 where it is whole.
+    pub(crate) trim_loops: usize,
 }
 
 /// Does the job and fills in the report; returns whether the surface is what was asked for.
@@ -118,7 +121,9 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Erro
     }
     if let Some(path) = job.out {
         let content = format!("B-spline surface, {} × {}", fitted.controls[0], fitted.controls[1]);
-        put_model(path, surface.clone(), job.cad, content, report)?;
+        let mut model = Model::default();
+        model.push_trimmed(surface.clone(), fitted.trim.clone(), None);
+        put_model(path, model, job.cad, content, report)?;
     }
     let judgement = match &from {
         Some(start) => start.judgement(),
@@ -126,7 +131,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Erro
             let all = SurfaceDistances::of(&surface, &points, job.options.fit.robust);
             let all = all.map_err(|error| refused(job, &error))?;
             let judged = |coverage: &SurfaceCoverage| {
-                Judgement::of(&all, coverage, job.options.abs_tolerance, job.options.fit.robust)
+                Judgement::of(&points, &all, coverage, job.options.abs_tolerance, job.options.fit.robust)
             };
             fitted.coverage.as_ref().map(judged).unwrap_or_default()
         }
@@ -151,12 +156,13 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Erro
         runs: fitted.runs,
         folds: fitted.folds,
         coverage: fitted.coverage,
+        trim_loops: fitted.trim.map_or(0, |trim| trim.loops().len()),
     })));
     Ok(verdict)
 }
 
 /// The error of the library, with the file that it is about.
-fn refused(job: &Job<'_>, error: &FitError) -> Error {
+pub(crate) fn refused(job: &Job<'_>, error: &FitError) -> Error {
     match error {
         FitError::Rational => {
             Error::content(job.init.unwrap_or(job.points), error.to_string(), "give a start without weights")

@@ -35,6 +35,7 @@ mod files;
 mod fit_numbers;
 mod fitting_curve;
 mod fitting_input;
+mod fitting_model;
 mod fitting_ruled;
 mod fitting_subdivision;
 mod fitting_surface;

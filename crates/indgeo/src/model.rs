@@ -48,6 +48,16 @@ pub(crate) struct Loaded {
     pub(crate) report: ReadReport,
 }
 
+/// What is to be said where pieces of surfaces are taken for the whole.
+pub(crate) fn whole(model: &industrial_geometry::io::Model) -> Option<String> {
+    (model.n_trimmed() > 0).then(|| {
+        format!(
+            "{} taken whole: the loops that bound a piece (trim) are not looked at; of STEP they are (`indgeo convert`)",
+            counted(model.n_trimmed(), "surface")
+        )
+    })
+}
+
 impl Loaded {
     /// Reads NURBS JSON, a mesh or a CAD file.
     pub(crate) fn read(path: &Path, choice: &Choice) -> Result<Self, Error> {
@@ -55,9 +65,10 @@ impl Loaded {
             return Ok(Self::of_cad(cad, path));
         }
         let loaded = files::read(path, &ReadOptions::default())?;
-        let report = loaded.report;
+        let mut report = loaded.report;
         match loaded.content {
             Content::Nurbs(model) => {
+                report.warnings.extend(whole(&model));
                 let name = |index: usize| model.name(index).map(str::to_owned);
                 let shapes = model.shapes().iter().enumerate();
                 let shapes = shapes.map(|(index, shape)| (kind(shape), name(index))).collect();

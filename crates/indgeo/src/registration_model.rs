@@ -5,7 +5,7 @@ use crate::contour::refused;
 use crate::contour::source::{self, Source};
 use crate::error::Error;
 use crate::files;
-use crate::model::Loaded;
+use crate::model::{self, Loaded};
 use crate::registration_field::RegistrationField;
 use crate::wording::{counted, not_finite};
 use industrial_geometry::distance_field::{
@@ -70,7 +70,10 @@ impl RegistrationModel {
             warnings.push(not_finite(path, report.dropped, report.points, "left out"));
         }
         let model = match loaded.content {
-            Content::Nurbs(model) => Self::of_shapes(model.into_shapes(), path, warnings)?,
+            Content::Nurbs(model) => {
+                warnings.extend(model::whole(&model).map(|warning| format!("{}: {warning}", path.display())));
+                Self::of_shapes(model.into_shapes(), path, warnings)?
+            }
             Content::Mesh(mesh) => Self::Mesh(mesh),
             Content::Cloud(cloud) => {
                 let first = cloud.positions().first();

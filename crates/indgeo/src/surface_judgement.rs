@@ -3,6 +3,8 @@
 use crate::report::Report;
 use crate::wording::counted;
 use industrial_geometry::fit::{Robust, SurfaceCoverage, SurfaceDistances};
+use industrial_geometry::mesh::CloudIndex;
+use industrial_geometry::mesh::nalgebra::{Point3, Vector3};
 use std::path::Path;
 
 /// How much residuals of neighbours differ, 1 where they have nothing to do with each other, below which a surface does not follow the
@@ -10,6 +12,11 @@ use std::path::Path;
 const ALIKE: f64 = 0.5;
 /// Standard deviations of the distances beyond which a point is not met, if it is farther than others are apart, too.
 const WILD: f64 = 6.0;
+
+/// Number and share of the points from which on those that were left out and lie together are a part of the data that is missed, and share of all
+/// points that may be left out.
+const TOGETHER: (usize, f64) = (8, 0.02);
+const LEFT_OUT: f64 = 0.3;
 
 /// What is wrong with the distances of the points.
 #[derive(Clone, Copy, Debug, Default)]
@@ -20,6 +27,8 @@ pub(crate) struct Judgement {
     pub(crate) far_max: f64,
     /// Whether the points are farther from the surface than from each other, and neighbours alike.
     pub(crate) unresolved: bool,
+    /// Points that were left out as outliers but lie together, or are too many to be outliers.
+    pub(crate) missed: usize,
 }
 
 impl Judgement {
@@ -39,13 +48,21 @@ impl Judgement {
                  not follow them; take more control points or another --shape"
             ));
         }
-        self.far > 0 || self.unresolved
+        if self.missed > 0 {
+            report.warnings.push(format!(
+                "{}: {} left out as outliers lie together, or are too many: a part of the data that the surface misses",
+                path.display(),
+                counted(self.missed, "point")
+            ));
+        }
+        self.far > 0 || self.unresolved || self.missed > 0
     }
 }
 
 impl Judgement {
-    /// From the distances of all points, a tolerance, and what is assumed about outliers.
+    /// From all points and their distances, a tolerance, and what is assumed about outliers.
     pub(crate) fn of(
+        points: &[Vector3<f64>],
         found: &SurfaceDistances,
         coverage: &SurfaceCoverage,
         abs_tolerance: Option<f64>,
@@ -64,6 +81,40 @@ impl Judgement {
             far: far.len(),
             far_max: far.iter().map(|&i| found.distances[i]).fold(0.0, f64::max),
             unresolved: found.rms > coverage.spacing && found.disagreement < ALIKE,
+            missed: if purposely { missed(points, found, limit, coverage.limit) } else { 0 },
         }
     }
+}
+
+/// Number of points far from the surface that were left out and lie together, or that are too many to be outliers.
+fn missed(points: &[Vector3<f64>], found: &SurfaceDistances, far: f64, reach: f64) -> usize {
+    let left: Vec<Point3<f64>> = (0..points.len())
+        .filter(|&i| found.weights[i] == 0.0 && found.distances[i] > far)
+        .map(|i| Point3::from(points[i]))
+        .collect();
+    let total = found.finite();
+    if left.len() as f64 > LEFT_OUT * total as f64 {
+        return left.len();
+    }
+    let Ok(index) = CloudIndex::new(&left) else { return 0 };
+    let fewest = (TOGETHER.0 as f64).max(TOGETHER.1 * total as f64);
+    let mut seen = vec![false; left.len()];
+    let mut sum = 0;
+    for first in 0..left.len() {
+        let (mut group, mut open) = (0, vec![first]);
+        while let Some(i) = open.pop() {
+            if std::mem::replace(&mut seen[i], true) {
+                continue;
+            }
+            group += 1;
+            // Neighbours on a surface are less than a spacing apart, a third of what is without data.
+            open.extend(
+                index.within(&left[i], 0.5 * reach).into_iter().map(|n| n.index).filter(|&j| !seen[j]),
+            );
+        }
+        if group as f64 >= fewest {
+            sum += group;
+        }
+    }
+    sum
 }

@@ -66,6 +66,8 @@ pub(crate) struct Start {
     pub(crate) far_max: f64,
     /// Whether the points are farther from the surface than from each other, and neighbours alike: it does not follow them.
     pub(crate) unresolved: bool,
+    /// Points that were left out as outliers but lie together.
+    pub(crate) missed: usize,
 }
 
 impl Start {
@@ -82,6 +84,7 @@ impl Start {
             far: 0,
             far_max: 0.0,
             unresolved: false,
+            missed: 0,
         }
     }
 
@@ -98,7 +101,7 @@ impl Start {
 
     /// What is wrong with the distances of the points.
     pub(crate) fn judgement(&self) -> Judgement {
-        Judgement { far: self.far, far_max: self.far_max, unresolved: self.unresolved }
+        Judgement { far: self.far, far_max: self.far_max, unresolved: self.unresolved, missed: self.missed }
     }
 
     /// Says which points do not count, and what was kept.
@@ -429,14 +432,20 @@ fn concluded(
     report.fit.samples = found.finite();
     report.fit.used = found.used;
     let noise = SurfaceCoverage::noise_of(&found.distances);
-    let coverage = SurfaceCoverage::of_surface(&surface, &kept, noise, options.abs_tolerance)?;
+    // What belongs to nothing does not say how far the data go.
+    let outliers = options.fit.robust != Robust::None;
+    let near = if outliers { &counting } else { &kept };
+    let (coverage, trim) =
+        SurfaceCoverage::up_to_data(&surface, near, noise, options.abs_tolerance, outliers)?;
+    report.trim = trim;
     if let Some(tolerance) = options.abs_tolerance {
         let share = found.share_within(tolerance);
         report.share_within = Some(share);
         report.within_tolerance = share >= options.share;
     }
-    let judgement = Judgement::of(&found, &coverage, options.abs_tolerance, options.fit.robust);
+    let judgement = Judgement::of(points, &found, &coverage, options.abs_tolerance, options.fit.robust);
     (start.far, start.far_max, start.unresolved) = (judgement.far, judgement.far_max, judgement.unresolved);
+    start.missed = judgement.missed;
     // What is near all points, with all of its parts, is right, whatever it began with.
     let is_near = coverage.is_complete() && report.fit.max <= VERIFIED * coverage.spacing;
     start.doubtful &= !(is_near && report.folds.count() == 0);

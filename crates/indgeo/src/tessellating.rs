@@ -36,10 +36,14 @@ pub(crate) fn tessellate(model: &Model, chord: Option<f64>, path: &Path) -> Resu
     };
     let (mut vertices, mut normals, mut triangles) = (Vec::new(), Vec::new(), Vec::new());
     let mut polylines = Vec::new();
-    for shape in model.shapes() {
+    for (index, shape) in model.shapes().iter().enumerate() {
         match shape {
             Shape::Surface(surface) => {
-                let found = surface.tessellate(&options).map_err(failed)?;
+                let found = match model.trim(index) {
+                    Some(trim) => surface.tessellate_trimmed(trim, &options),
+                    None => surface.tessellate(&options),
+                };
+                let found = found.map_err(failed)?;
                 let first = u32::try_from(vertices.len()).ok();
                 let end = u32::try_from(vertices.len() + found.vertices.len());
                 let Some(first) = first.filter(|_| end.is_ok()) else {

@@ -50,6 +50,7 @@ mod surface;
 mod surface_eval;
 mod tessellate;
 mod traits;
+mod trim_loops;
 
 pub use analytic::{
     AnalyticSurface, Circle, Cone, CurveFoot, Cylinder, Ellipse, Frame, Helix, Line, Plane, Sphere,
@@ -76,3 +77,4 @@ pub use offset::{OffsetCurve, OffsetSurface, SurfaceThird, ThirdOrderCurve, Thir
 pub use surface::BsplineSurface;
 pub use tessellate::{Polyline, Tessellation, TessellationOptions};
 pub use traits::{Break, CurveFn, ParametricCurve, ParametricSurface, SurfaceFn};
+pub use trim_loops::TrimLoops;

@@ -1,6 +1,6 @@
 //! NURBS curves and surfaces as files hold them.
 
-use nurbs_core::{BsplineCurve, BsplineSurface};
+use nurbs_core::{BsplineCurve, BsplineSurface, TrimLoops};
 
 /// A curve in the plane or in space, or a surface.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,25 +31,35 @@ impl From<BsplineSurface> for Shape {
     }
 }
 
-/// Curves and surfaces in their order, each with a name or without.
+/// Curves and surfaces in their order, each with a name or without; surfaces whole, or with loops that bound a piece of them.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Model {
     shapes: Vec<Shape>,
     names: Vec<Option<String>>,
+    trims: Vec<Option<TrimLoops>>,
 }
 
 impl Model {
-    /// A model of shapes without names.
+    /// A model of whole shapes without names.
     #[must_use]
     pub fn new(shapes: Vec<Shape>) -> Self {
-        let names = vec![None; shapes.len()];
-        Self { shapes, names }
+        let (names, trims) = (vec![None; shapes.len()], vec![None; shapes.len()]);
+        Self { shapes, names, trims }
     }
 
     /// Adds a shape.
     pub fn push(&mut self, shape: impl Into<Shape>, name: Option<String>) {
         self.shapes.push(shape.into());
         self.names.push(name);
+        self.trims.push(None);
+    }
+
+    /// Adds a piece of a surface.
+    pub fn push_trimmed(&mut self, surface: BsplineSurface, trim: Option<TrimLoops>, name: Option<String>) {
+        self.push(surface, name);
+        if let Some(last) = self.trims.last_mut() {
+            *last = trim;
+        }
     }
 
     /// The shapes.
@@ -64,7 +74,26 @@ impl Model {
         self.names.get(index)?.as_deref()
     }
 
-    /// The shapes without their names.
+    /// The loops that bound the surface at `index`; `None` where it is whole.
+    #[must_use]
+    pub fn trim(&self, index: usize) -> Option<&TrimLoops> {
+        self.trims.get(index)?.as_ref()
+    }
+
+    /// Number of surfaces of which loops bound a piece.
+    #[must_use]
+    pub fn n_trimmed(&self) -> usize {
+        self.trims.iter().flatten().count()
+    }
+
+    /// The same shapes under one name.
+    #[must_use]
+    pub fn renamed(mut self, name: &str) -> Self {
+        self.names.fill(Some(name.to_owned()));
+        self
+    }
+
+    /// The shapes without their names and loops.
     #[must_use]
     pub fn into_shapes(self) -> Vec<Shape> {
         self.shapes

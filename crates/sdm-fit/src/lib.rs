@@ -53,7 +53,7 @@ mod weights;
 pub use cloud_kind::{CloudKind, cloud_kind, measurable, tight_axes};
 pub use constraint::{Constraints, LinearCondition};
 pub use coverage_curve::{CurveCoverage, Stretch};
-pub use coverage_surface::SurfaceCoverage;
+pub use coverage_surface::{SurfaceCoverage, data_outline};
 pub use curve::ActiveCurve;
 pub use error::Error;
 pub use iterate::{Progress, fit, fit_with_progress, no_progress};
@@ -64,7 +64,7 @@ pub use status::Status;
 pub use surface::{
     ActiveSurface, BaseShape, Folds, InitialSurface, NetSize, SurfaceCost, SurfaceDistances, SurfaceFit,
     SurfaceOptions, SurfaceReport, cut_to_feet, fit_cloud, fit_cloud_with_progress, fit_surface,
-    fit_surface_with_progress, initial_surface, residual_disagreement, surface_costs, surface_frames,
-    with_controls,
+    fit_surface_to_model, fit_surface_to_model_with_progress, fit_surface_with_progress, initial_surface,
+    residual_disagreement, surface_costs, surface_frames, with_controls,
 };
 pub use target::Target;

@@ -22,7 +22,14 @@ use std::path::{Path, PathBuf};
 #[command(after_long_help = AFTER_HELP)]
 pub(crate) struct Args {
     /// The points: any cloud of two or three columns; a third column of zeros counts as none; `-` is standard input
-    points: PathBuf,
+    #[arg(required_unless_present = "model")]
+    points: Option<PathBuf>,
+    /// Fit to the curves in FILE (NURBS JSON) instead of points; distances are those of sensor points of the curve, orthogonal to the model
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["points", "tolerance", "search", "rational"])]
+    model: Option<PathBuf>,
+    /// Sensor points in each span of the curve, for --model
+    #[arg(long, value_name = "N", default_value_t = 6, requires = "model", value_parser = numbers::count)]
+    sensors: usize,
     /// The curve: STEP (.step, .stp), IGES (.igs, .iges), else NURBS JSON; `-` is standard output (JSON)
     #[arg(long, short, value_name = "OUT")]
     out: Option<PathBuf>,
@@ -106,7 +113,7 @@ Examples:
 impl Args {
     /// The files that are read, and those that are written.
     pub(crate) fn files(&self) -> (Vec<&Path>, Vec<PathBuf>) {
-        let read = std::iter::once(self.points.as_path()).chain(self.init.as_deref());
+        let read = self.points.iter().chain(&self.model).chain(&self.init).map(PathBuf::as_path);
         let written = [&self.out, &self.points_out, &self.report, &self.evolution];
         (read.collect(), written.into_iter().flatten().cloned().collect())
     }
@@ -131,8 +138,13 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
     let (_, written) = args.files();
     super::something_written(!written.is_empty(), common, "-o OUT")?;
     args.cad.check(args.out.as_deref())?;
+    // One of them is there: the arguments say so.
+    let Some(points) = args.points.as_deref().or(args.model.as_deref()) else {
+        return Err(Error::usage("there are no points", "give a file of points, or --model FILE"));
+    };
     let job = Job {
-        points: &args.points,
+        points,
+        sensors: args.model.as_ref().map(|_| args.sensors),
         init: args.init.as_deref(),
         out: args.out.as_deref(),
         cad: &args.cad,

@@ -6,6 +6,7 @@ use super::numbers;
 use crate::args::Common;
 use crate::cad_output::CadArgs;
 use crate::error::Error;
+use crate::fitting_model;
 use crate::fitting_surface::{self, Job};
 use crate::report::Report;
 use crate::summary;
@@ -22,7 +23,15 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Args {
     /// The points: any cloud, or a mesh, whose vertices are taken, and points on its triangles where it was thinned out; `-` is
     /// standard input
-    points: PathBuf,
+    #[arg(required_unless_present = "model")]
+    points: Option<PathBuf>,
+    /// Fit to the model in FILE instead of points: a mesh, NURBS JSON, STEP or IGES; distances are those of sensor points of the surface, orthogonal to the
+    /// model
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["points", "tolerance", "rational"])]
+    model: Option<PathBuf>,
+    /// Sensor points in each direction of each cell of the surface, for --model
+    #[arg(long, value_name = "N", default_value_t = 4, requires = "model", value_parser = numbers::count)]
+    sensors: usize,
     /// The surface: STEP (.step, .stp), IGES (.igs, .iges), else NURBS JSON; `-` is standard output (JSON)
     #[arg(long, short, value_name = "OUT")]
     out: Option<PathBuf>,
@@ -85,12 +94,13 @@ The report (--json) holds in `results`: `status`, `rms`, `max`, `max_index`, `la
 cylinder, sphere or torus: what the first parameters were taken from), `start` (why, and how near the base surface and the least
 squares surface were, before the distances were minimised), `control_points`, `share_within` and `within_tolerance` (with a
 tolerance), `folds` (cells in which the surface folds back on itself), `coverage` (how near every part of the surface is to the points:
-`rms`, `max`, `area_without_data`, in units and in spacings), `points_dropped` (points that are not finite). `max` and `share_within` are
+`rms`, `max`, `area_without_data`, in units and in spacings), `trim_loops` (loops in (u, v), in the output, that bound an open surface where the data end, if
+their outline is no rectangle), `points_dropped` (points that are not finite). `max` and `share_within` are
 those of all finite points, whether they were used or not.
 
 Exit status 0: the tolerance holds, or, without one, the iteration converged, and every part of the surface is near points; 1: it does not
 hold, the iteration did not converge, or the surface folds, does not follow the points, leaves some of them out, has parts farther from
-all points than three times their spacing (or noise, or the tolerance), or the points are of no kind that is known (the surface is
+all points than three times their spacing (or noise, or the tolerance) within its loops, or the points are of no kind that is known (the surface is
 written nevertheless); 2: bad input or usage, as points that are not of the kind that was asked for, or not one surface; 130:
 interrupted.
 
@@ -98,6 +108,7 @@ Examples:
   indgeo fit-surface scan.ply -o surface.step --tolerance 0.05 --unit mm --name blade-3
   indgeo fit-surface tube.xyz -o tube.json --control-points 30x30 --shape cylinder
   indgeo fit-surface scan.ply -o better.json --init rough.json --outliers automatic
+  indgeo fit-surface --model part.stl -o part.json --control-points 5x8
   indgeo inspect surface.json scan.ply --tolerance 0.05 --report report.html";
 
 /// Two counts: `30x20` (or `30,20`), or one for both.
@@ -115,7 +126,7 @@ pub(super) fn parse_pair(text: &str) -> Result<[usize; 2], String> {
 impl Args {
     /// The files that are read, and those that are written.
     pub(crate) fn files(&self) -> (Vec<&Path>, Vec<PathBuf>) {
-        let read = std::iter::once(self.points.as_path()).chain(self.init.as_deref());
+        let read = self.points.iter().chain(&self.model).chain(&self.init).map(PathBuf::as_path);
         (read.collect(), self.out.iter().cloned().collect())
     }
 
@@ -144,8 +155,12 @@ impl Args {
 pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<Outcome, Error> {
     super::something_written(args.out.is_some(), common, "-o OUT")?;
     args.cad.check(args.out.as_deref())?;
+    // One of them is there: the arguments say so.
+    let Some(points) = args.points.as_deref().or(args.model.as_deref()) else {
+        return Err(Error::usage("there are no points", "give a file of points, or --model FILE"));
+    };
     let job = Job {
-        points: &args.points,
+        points,
         init: args.init.as_deref(),
         controls: args.controls,
         out: args.out.as_deref(),
@@ -153,6 +168,9 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         options: args.options(),
         quiet: common.quiet,
     };
-    let verdict = fitting_surface::run(&job, report)?;
+    let verdict = match &args.model {
+        Some(_) => fitting_model::run(&job, args.sensors, report)?,
+        None => fitting_surface::run(&job, report)?,
+    };
     Ok(Outcome::fitted(summary::of(report), verdict))
 }

@@ -225,3 +225,24 @@ fn curves_that_leave_their_points_are_said_to_do_so() {
     assert!(run.code == 0 && run.report()["results"]["max"].as_f64().unwrap() < 1e-9, "{}", run.stderr);
     assert!(bench.run("fit-curve two.xyz -o one.json --max-gap -1").code == 2);
 }
+
+#[test]
+fn a_curve_is_a_model_for_another_one() {
+    let bench = Bench::new();
+    bench.put(
+        "model.json",
+        r#"{"kind": "curve", "dim": 2, "degree": 2, "knots": [0, 0, 0, 1, 2, 3, 3, 3],
+            "control_points": [[0, 0], [2, 4], [6, 4], [8, 0], [12, 2]]}"#,
+    );
+    let run = bench.run("fit-curve --model model.json -o c.json --control-points 9 --json -");
+    assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+    let report = run.report();
+    let results = &report["results"];
+    assert!(results["covered"] == true && results["control_points"] == 9, "{results}");
+    // The curvature of the model jumps; nine control points of degree 3 leave a few hundredths.
+    assert!(results["max"].as_f64().unwrap() < 0.1, "{results}");
+    assert!(results["coverage"]["max"].as_f64().unwrap() < 0.1, "{results}");
+    assert_eq!(bench.run("fit-curve model.json --model model.json -o c.json").code, 2);
+    bench.put("points.xyz", "0 0\n1 1\n2 0\n");
+    assert_eq!(bench.run("fit-curve --model points.xyz -o c.json").code, 2);
+}

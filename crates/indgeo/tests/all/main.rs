@@ -19,6 +19,7 @@ mod fit_curve;
 mod fit_ruled;
 mod fit_subdivision;
 mod fit_surface;
+mod fit_surface_outline;
 mod fits_at_limits;
 mod fits_both_ways;
 mod geodesic;

@@ -5,6 +5,7 @@ mod curve;
 mod grid;
 mod options;
 mod surface;
+mod trimmed;
 
 pub use curve::Polyline;
 pub use options::TessellationOptions;

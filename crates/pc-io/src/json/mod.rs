@@ -8,7 +8,7 @@ mod geomdl;
 
 use std::io::{self, Write};
 
-use nurbs_core::{BsplineCurve, BsplineSurface};
+use nurbs_core::{BsplineCurve, BsplineSurface, TrimLoops};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
@@ -31,6 +31,8 @@ struct Head<'a> {
     control_points: Option<&'a RawValue>,
     #[serde(borrow)]
     shapes: Option<Vec<&'a RawValue>>,
+    #[serde(borrow)]
+    trim: Option<&'a RawValue>,
 }
 
 /// Reads a model.
@@ -82,7 +84,11 @@ impl<'a> Part<'a> {
     fn read_shape(&self, head: Head<'_>, model: &mut Model) -> Result<(), Error> {
         let kind = head.kind.ok_or_else(|| self.error(0, "the field \"kind\" is missing"))?;
         match kind.as_str() {
-            "surface" => model.push(self.parse_owned::<BsplineSurface>()?, head.name),
+            "surface" => {
+                let surface = self.parse_owned::<BsplineSurface>()?;
+                let trim = head.trim.map(|raw| self.within(raw, None).read_trim(&surface)).transpose()?;
+                model.push_trimmed(surface, trim, head.name);
+            }
             "curve" => match head.dim.or_else(|| first_length(head.control_points?)) {
                 Some(2) => model.push(self.parse_owned::<BsplineCurve<2>>()?, head.name),
                 Some(3) => model.push(self.parse_owned::<BsplineCurve<3>>()?, head.name),
@@ -99,6 +105,13 @@ impl<'a> Part<'a> {
             }
         }
         Ok(())
+    }
+
+    /// The loops that bound a surface.
+    fn read_trim(&self, surface: &BsplineSurface) -> Result<TrimLoops, Error> {
+        let loops = self.parse_owned::<Vec<Vec<[f64; 2]>>>()?;
+        let found = TrimLoops::new(loops).and_then(|trim| trim.within(surface));
+        found.map_err(|error| self.error(0, &format!("trim: {error}")))
     }
 
     fn parse_head(&self) -> Result<Head<'a>, Error> {
@@ -178,27 +191,31 @@ struct Named<'a, T> {
     shape: &'a T,
     #[serde(skip_serializing_if = "Option::is_none")]
     name: Option<&'a str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    trim: Option<&'a [Vec<[f64; 2]>]>,
 }
 
 /// Writes one shape as it is, and another number of shapes as a model, one per line.
 pub(crate) fn write(out: &mut dyn Write, model: &Model) -> io::Result<()> {
     if let [shape] = model.shapes() {
-        write_shape(out, shape, model.name(0))?;
+        write_shape(out, model, 0, shape)?;
         return out.write_all(b"\n");
     }
     out.write_all(b"{\"kind\":\"model\",\"shapes\":[")?;
     for (index, shape) in model.shapes().iter().enumerate() {
         out.write_all(if index == 0 { b"\n" } else { b",\n" })?;
-        write_shape(out, shape, model.name(index))?;
+        write_shape(out, model, index, shape)?;
     }
     out.write_all(b"\n]}\n")
 }
 
-fn write_shape(out: &mut dyn Write, shape: &Shape, name: Option<&str>) -> io::Result<()> {
+fn write_shape(out: &mut dyn Write, model: &Model, index: usize, shape: &Shape) -> io::Result<()> {
+    let name = model.name(index);
+    let trim = model.trim(index).map(TrimLoops::loops);
     match shape {
-        Shape::Curve2(shape) => serde_json::to_writer(out, &Named { shape, name }),
-        Shape::Curve3(shape) => serde_json::to_writer(out, &Named { shape, name }),
-        Shape::Surface(shape) => serde_json::to_writer(out, &Named { shape, name }),
+        Shape::Curve2(shape) => serde_json::to_writer(out, &Named { shape, name, trim }),
+        Shape::Curve3(shape) => serde_json::to_writer(out, &Named { shape, name, trim }),
+        Shape::Surface(shape) => serde_json::to_writer(out, &Named { shape, name, trim }),
     }
     .map_err(io::Error::from)
 }

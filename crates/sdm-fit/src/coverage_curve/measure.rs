@@ -1,7 +1,8 @@
 //! Curves seen from their data.
 
+use super::gaps::SEVERAL;
 use super::spread::spreads;
-use super::{CurveCoverage, Stretch, gap_limit, gap_limits, usual_gap};
+use super::{CurveCoverage, Stretch, gap_limits, gap_limits_of, usual_gap};
 use crate::parallel;
 use distance_field::quantile_in_place;
 use footpoint::CurveFootpoint;
@@ -19,8 +20,9 @@ const NOISES: f64 = 5.0;
 /// Neighbours whose mean place is compared with the curve, and how far that may be in units of the noise.
 const WINDOW: usize = 16;
 const TOGETHER: f64 = 1.5;
-/// Length along the curve that noise adds to the gap between neighbours, in units of the noise.
+/// Length along the curve that noise adds to the gap between neighbours, in units of the noise; to each of several long ones.
 const SLACK: f64 = 4.0;
+const SLACK_OF_SEVERAL: f64 = 1.5;
 /// Length of the curve between neighbours over their distance from which on it is a detour.
 const DETOUR: f64 = 1.5;
 /// The same for the way to a single point that may be an outlier and on.
@@ -33,6 +35,11 @@ const TURN: f64 = 2.2;
 const ROW: [f64; 4] = [1.2, 1.4, 1.55, 1.7];
 /// And than even ones.
 const EVEN: f64 = 1.5;
+/// Root mean square distance in spacings, and in units of the noise, beyond which the points are not on the curve, if neighbours are off alike: their mean
+/// squared difference in units of twice the mean square, 1 for noise.
+const LOOSE: f64 = 0.25;
+const NOISY: f64 = 1.5;
+const ALIKE: f64 = 0.6;
 /// Share of the length below which gaps are repetitions of points.
 const REPEATED: f64 = 1e-12;
 
@@ -163,7 +170,10 @@ pub(crate) fn of_curve<const D: usize>(
     // Gaps between the feet of all points tell the spacing, those of near ones what is without data.
     let gaps: Vec<f64> = between(&stops, total, closed).into_iter().map(|g| g.length).collect();
     let gaps: Vec<f64> = gaps.into_iter().filter(|g| *g > REPEATED * total).collect();
-    found.limit = limits.gap.unwrap_or_else(|| gap_limit(&gaps) + SLACK * found.noise);
+    found.limit = limits.gap.unwrap_or_else(|| {
+        let [single, several] = gap_limits_of(&gaps, SEVERAL);
+        (single + SLACK * found.noise).min(several + SLACK_OF_SEVERAL * found.noise)
+    });
     let supported: Vec<f64> = gaps.iter().copied().filter(|g| *g <= found.limit).collect();
     found.spacing = supported.iter().sum::<f64>() / supported.len().max(1) as f64;
     let of_noise = found.noise * (NOISES + 0.5 * (points.len() as f64).ln());
@@ -172,6 +182,7 @@ pub(crate) fn of_curve<const D: usize>(
         feet.iter().filter(|foot| foot.distance.is_nan() || foot.distance > found.distance_limit).count();
     let usual = limits.distance.max(SPACINGS * found.spacing).max(TOGETHER * found.noise);
     found.points_far = found.points_far.max(aside(&stops, usual));
+    found.unresolved = is_loose(&stops, &found, limits.distance);
     let near: Vec<Stop<D>> =
         stops.iter().copied().filter(|s| s.residual.norm() <= found.distance_limit).collect();
     let hook = 2.0 * usual_gap(&gaps) + SLACK * found.noise;
@@ -278,6 +289,15 @@ fn noise<const D: usize>(stops: &[Stop<D>]) -> f64 {
     quantile_in_place(&mut sizes, 0.5) / (6f64.sqrt() * unit)
 }
 
+/// Whether the points are further from the curve than a distance, noise and a share of the spacing explain, and neighbours on the same side of it: it does
+/// not follow them.
+fn is_loose<const D: usize>(stops: &[Stop<D>], found: &CurveCoverage, distance: f64) -> bool {
+    let squares: f64 = stops.iter().map(|s| s.residual.norm_squared()).sum();
+    let rms = (squares / stops.len() as f64).sqrt();
+    let changes: f64 = stops.windows(2).map(|s| (s[1].residual - s[0].residual).norm_squared()).sum();
+    rms > distance.max(LOOSE * found.spacing).max(NOISY * found.noise) && changes < ALIKE * 2.0 * squares
+}
+
 /// Number of points that lie to one side of the curve together with their neighbours, further than noise explains.
 fn aside<const D: usize>(stops: &[Stop<D>], limit: f64) -> usize {
     let width = WINDOW.min(stops.len() / 8);
@@ -320,4 +340,30 @@ fn measure<const D: usize>(chords: &Chords<D>, points: &[SVector<f64, D>], found
     found.max_parameter = chords.parameters[at];
     found.samples = distances.len();
     found.resolution = chords.lengths.windows(2).map(|l| l[1] - l[0]).fold(0.0, f64::max);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use footpoint::CurveProjector;
+    use nalgebra::Vector2;
+    use nurbs_core::KnotVector;
+
+    #[test]
+    fn waves_about_a_line_are_no_noise() {
+        let knots = KnotVector::uniform_clamped(1, 2).unwrap();
+        let line =
+            BsplineCurve::new(knots, vec![Vector2::new(-1.0, 0.0), Vector2::new(120.0, 0.0)], None).unwrap();
+        let seen = |height: &dyn Fn(f64) -> f64| {
+            let points: Vec<_> = (0..120).map(f64::from).map(|x| Vector2::new(x, height(x))).collect();
+            let feet = CurveProjector::new(&line).project_all(&points);
+            of_curve(&line, &points, &feet, Limits { free_ends: true, ..Limits::default() })
+        };
+        let wave = seen(&|x| 0.8 * (0.25 * x).sin());
+        assert!(wave.unresolved && wave.points_far == 0 && !wave.holds(), "{wave:?}");
+        // Smaller than the spacing resolves, or as different from point to point as noise.
+        assert!(seen(&|x| 0.3 * (0.25 * x).sin()).holds());
+        let noise = seen(&|x| 2.0 * ((x * 0.618_034).fract() - 0.5));
+        assert!(!noise.unresolved, "{noise:?}");
+    }
 }

@@ -4,8 +4,11 @@ mod gaps;
 mod measure;
 mod spread;
 
-pub(crate) use gaps::{gap_limit, gap_limits, usual_gap};
+pub(crate) use gaps::{PRESUMED, gap_limits, gap_limits_of, usual_gap};
 pub(crate) use measure::{Limits, of_curve};
+
+/// Share of the points that counts as far away from a curve that does not follow them.
+const LOOSE: f64 = 0.02;
 
 /// How near a curve is to data points, and they to it: every part of it, and every point.
 ///
@@ -43,6 +46,9 @@ pub struct CurveCoverage {
     pub distance_limit: f64,
     /// Number of points that are further away.
     pub points_far: usize,
+    /// Whether the points are further from the curve than noise and a share of their spacing explain, and neighbours on the same side of it: it does not
+    /// follow them.
+    pub unresolved: bool,
     /// Whether the points spread so widely about the curve that they do not lie on a curve.
     pub spread_out: bool,
     /// Places of the curve whose distance was measured.
@@ -75,7 +81,7 @@ impl CurveCoverage {
     /// Whether every part of the curve is near data points, and every point near the curve.
     #[must_use]
     pub fn holds(&self) -> bool {
-        self.is_complete() && self.points_far == 0 && !self.spread_out
+        self.is_complete() && self.points_far == 0 && !self.spread_out && !self.unresolved
     }
 
     /// Several curves together: sums, the largest spacing, noise, limits and distances.
@@ -104,6 +110,7 @@ impl CurveCoverage {
             without_data,
             distance_limit: largest(|c| c.distance_limit),
             points_far: all.iter().map(|c| c.points_far).sum(),
+            unresolved: all.iter().any(|c| c.unresolved),
             spread_out: all.iter().any(|c| c.spread_out),
             samples: all.iter().map(|c| c.samples).sum(),
             resolution: largest(|c| c.resolution),
@@ -122,10 +129,12 @@ impl CurveCoverage {
         if self.length > 0.0 { self.length_without_data / self.length } else { 1.0 }
     }
 
-    /// One number to compare fits by: the share of the curve without data, of points that are far away, and 1 for points that spread.
+    /// One number to compare fits by: the share of the curve without data, of points that are far away, a little where it does not follow them, and 1 for
+    /// points that spread.
     pub(crate) fn badness(&self, points: usize) -> f64 {
         let far = self.points_far as f64 / points.max(1) as f64;
-        self.share_without_data() + far + if self.spread_out { 1.0 } else { 0.0 }
+        let loose = if self.unresolved { LOOSE } else { 0.0 };
+        self.share_without_data() + far + loose + if self.spread_out { 1.0 } else { 0.0 }
     }
 }
 

@@ -22,7 +22,9 @@ const LEAST: usize = 40;
 const ALIKE: f64 = 1.0;
 /// Mean fourth power of distances in units of the square of their mean square below which there are few in the middle: 3 for a normal and 1.8 for a
 /// uniform distribution in the plane, 2 and 1.33 in space; 1 for two lines beside the curve, or a tube about it.
-const KURTOSIS: [f64; 2] = [1.7, 1.25];
+const KURTOSIS: [f64; 2] = [1.6, 1.25];
+/// Points next to each other along the curve whose distances are compared.
+const AROUND: usize = 24;
 /// Neighbours of which the nearest at another place is taken, width of a cloud in units of its standard deviation, and distance of its points as a share
 /// of what they have to themselves below which they lie on lines.
 const NEIGHBOURS: usize = 6;
@@ -65,6 +67,19 @@ pub(super) fn spreads<const D: usize>(
     foreign as f64 > FOREIGN * all as f64
 }
 
+/// Mean fourth power of the distances in units of the square of their mean square, each by those of its neighbours: what lies beside the curve may come
+/// nearer to it and end on it.
+fn flatness<const D: usize>(stops: &[Stop<D>]) -> f64 {
+    let parts = stops.chunks(AROUND).filter(|part| 2 * part.len() > AROUND).map(|part| {
+        let count = part.len() as f64;
+        let square = part.iter().map(|s| s.residual.norm_squared()).sum::<f64>() / count;
+        let fourth = part.iter().map(|s| s.residual.norm_squared().powi(2)).sum::<f64>();
+        (fourth / (square * square).max(f64::MIN_POSITIVE), count)
+    });
+    let (sum, count) = parts.fold((0.0, 0.0), |sum, part| (sum.0 + part.0, sum.1 + part.1));
+    sum / f64::max(count, 1.0)
+}
+
 /// Whether the points lie beside the curve rather than about it: on both sides of it with few in the middle, or on thin lines.
 ///
 /// Neighbours along the curve are then as different as with noise, but their distances have no normal distribution, or points are much
@@ -89,8 +104,7 @@ fn in_lanes<const D: usize>(
     if changes < ALIKE * count * rms * rms {
         return false;
     }
-    let fourth = stops.iter().map(|s| s.residual.norm_squared().powi(2)).sum::<f64>() / count;
-    if fourth < kurtosis * rms.powi(4) {
+    if flatness(stops) < kurtosis {
         return true;
     }
     let stride = places.len().div_ceil(LOOKED_AT).max(1);

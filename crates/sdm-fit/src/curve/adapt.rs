@@ -17,6 +17,8 @@ const GROWTH: (usize, usize) = (7, 20);
 const LOOK: usize = 40;
 /// Share of the control points that counts as free where the data choose the energy, which takes up the rest.
 const SMOOTHED: f64 = 0.5;
+/// Points for each control point below which those beyond count in full: they follow single points, and bulge between them.
+const DENSE: f64 = 4.0;
 /// Improvement of the root mean square below which more knots do not help, and how often in a row that may be.
 const HELP: f64 = 0.02;
 const PATIENCE: usize = 3;
@@ -226,7 +228,8 @@ pub(super) fn by_noise<const D: usize>(
         let faulty = work.crossings(&state.curve) > 0
             || work.coverage_on(&sample, &state.curve).share_without_data() > BARE;
         // Both by direction across the curve: along it neither points nor control points tell anything.
-        let free = if bent { controls as f64 } else { SMOOTHED * controls as f64 };
+        let few = (controls as f64 - count / DENSE).max(0.0);
+        let free = if bent { controls as f64 } else { SMOOTHED * controls as f64 + (1.0 - SMOOTHED) * few };
         let criterion = count * 2.0 * rms.ln() + free * count.ln();
         let better = best.is_none_or(|b| (faulty, criterion) < (b.faulty, b.criterion));
         if better {

@@ -80,6 +80,20 @@ pub(super) fn from_cloud<const D: usize>(
     options: &CurveOptions,
     progress: Progress<'_>,
 ) -> Result<CurveFit<D>, Error> {
+    let mut fit = best_of(cloud, distinct, options, progress)?;
+    // What the points leave open is not claimed.
+    fit.report.open_ends = near_ends(&fit.curve, &fit.report);
+    fit.report.covered &= fit.report.open_ends.is_none();
+    Ok(fit)
+}
+
+/// The better one of the fits along the shortest path and along one that goes straight on.
+fn best_of<const D: usize>(
+    cloud: &Cloud<'_, D>,
+    distinct: usize,
+    options: &CurveOptions,
+    progress: Progress<'_>,
+) -> Result<CurveFit<D>, Error> {
     let first = attempt(cloud, Layout::shortest(cloud.local, options)?, distinct, options, progress)?;
     if first.is_sound() || options.search || first.fit.report.status == Status::Cancelled {
         return Ok(first.fit);
@@ -157,18 +171,21 @@ fn is_irregular<const D: usize>(fit: &CurveFit<D>, cloud: &Cloud<'_, D>) -> bool
     !(*least..=*most).contains(&fourth) || !(CHANGE[0]..=CHANGE[1]).contains(&change)
 }
 
-/// Whether a curve is open though its ends are as near to each other as neighbours on it may be, or meets itself without crossing.
-fn is_doubtful<const D: usize>(curve: &BsplineCurve<D>, report: &CurveReport) -> bool {
+/// The gap between the ends of a curve that was made open, if they are as near to each other as neighbours on it may be.
+fn near_ends<const D: usize>(curve: &BsplineCurve<D>, report: &CurveReport) -> Option<f64> {
     let coverage = &report.coverage;
     let domain = curve.domain();
     let gap = (curve.point(domain.end()) - curve.point(domain.start())).norm();
     let around = coverage.length >= AROUND * coverage.limit.max(gap);
-    let unclosed = !report.closed
-        && matches!(report.closure, Closure::Gap { .. })
-        && around
-        && gap <= coverage.limit + 2.0 * coverage.spacing;
+    let chosen = !report.closed && matches!(report.closure, Closure::Gap { .. });
+    (chosen && around && gap <= coverage.limit + 2.0 * coverage.spacing).then_some(gap)
+}
+
+/// Whether a curve is open though its ends are as near to each other as neighbours on it may be, or meets itself without crossing.
+fn is_doubtful<const D: usize>(curve: &BsplineCurve<D>, report: &CurveReport) -> bool {
+    let coverage = &report.coverage;
     let reach = (MEETS[0] * coverage.spacing).max(MEETS[1] * coverage.noise);
-    unclosed || report.crossings.is_empty() && meets_itself(curve, reach)
+    near_ends(curve, report).is_some() || report.crossings.is_empty() && meets_itself(curve, reach)
 }
 
 impl<const D: usize> Work<'_, D> {
@@ -188,5 +205,28 @@ impl<const D: usize> Work<'_, D> {
             return adapt::to_tolerance(self, state);
         }
         adapt::by_noise(self, layout, distinct)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Vector2;
+    use nurbs_core::KnotVector;
+
+    #[test]
+    fn ends_as_near_as_neighbours_are_told() {
+        let ends = |gap: f64, closure: Closure| {
+            let corners = [[0.0, gap], [0.0, 10.0], [10.0, 10.0], [10.0, 0.0], [0.0, 0.0]];
+            let knots = KnotVector::uniform_clamped(1, 5).unwrap();
+            let curve = BsplineCurve::new(knots, corners.map(Vector2::from).to_vec(), None).unwrap();
+            let coverage =
+                crate::CurveCoverage { length: 40.0 - gap, limit: 3.0, spacing: 0.5, ..Default::default() };
+            near_ends(&curve, &CurveReport { closed: false, closure, coverage, ..CurveReport::default() })
+        };
+        let seen = Closure::Gap { gap: 0.0, limit: 0.0 };
+        assert_eq!(ends(2.0, seen), Some(2.0));
+        // Further apart, or asked for.
+        assert_eq!((ends(5.0, seen), ends(2.0, Closure::Asked)), (None, None));
     }
 }

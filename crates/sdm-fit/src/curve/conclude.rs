@@ -119,6 +119,7 @@ impl<const D: usize> Work<'_, D> {
             tolerance,
             share_within: tolerance.map(|limit| within(limit) / judged.len().max(1) as f64),
             reached,
+            open_ends: None,
             covered: coverage.holds(),
             coverage,
             lambda: state.report.lambda,

@@ -30,6 +30,8 @@ const SPACINGS: f64 = 3.0;
 const NOISES: f64 = 3.5;
 const LONE: f64 = 6.0;
 const NOISE_ALONG: f64 = 2.0;
+/// And length from the last but two beyond which the last two are: an end that leads to one outlier leads on to the next.
+const PAIR: f64 = 9.0;
 /// Chords by which the length of an end is measured.
 const CHORDS: usize = 64;
 /// Factor of the energy below which it is none.
@@ -53,6 +55,12 @@ pub(super) fn limits<const D: usize>(
         outliers: options.fit.robust != Robust::None,
         free_ends: false,
     }
+}
+
+/// The distance that a curve which leaves its points shall come to: what spacing and noise explain, less where it hardly follows them.
+fn wanted(coverage: &CurveCoverage) -> f64 {
+    let limit = coverage.distance_limit;
+    if coverage.points_far > 0 { limit } else { limit.min(NOISES * coverage.noise + coverage.spacing) }
 }
 
 impl<const D: usize> Work<'_, D> {
@@ -103,11 +111,11 @@ impl<const D: usize> Work<'_, D> {
         }
         let mut best = state;
         if coverage.without_data.is_empty()
-            && coverage.points_far > 0
+            && (coverage.points_far > 0 || coverage.unresolved)
             && self.crossings(&best.curve) == 0
             && !coverage.spread_out
         {
-            best = self.towards(best, coverage.distance_limit)?;
+            best = self.towards(best, wanted(&coverage))?;
             if self.is_sound(&best, &self.coverage(&best)) || self.cancelled {
                 return Ok(best);
             }
@@ -171,8 +179,9 @@ impl<const D: usize> Work<'_, D> {
             state
         };
         let coverage = self.coverage(&state);
-        if coverage.without_data.is_empty() && coverage.points_far > 0 && !self.cancelled {
-            return self.towards(state, coverage.distance_limit).map(Some);
+        let off = coverage.points_far > 0 || coverage.unresolved;
+        if coverage.without_data.is_empty() && off && !self.cancelled {
+            return self.towards(state, wanted(&coverage)).map(Some);
         }
         Ok(Some(state))
     }
@@ -233,15 +242,20 @@ impl<const D: usize> Work<'_, D> {
             let at = |k: usize| state.curve.point(a + (b - a) * k as f64 / CHORDS as f64);
             (0..CHORDS).map(|k| (at(k + 1) - at(k)).norm()).sum::<f64>()
         };
-        let alone = LONE * coverage.spacing + NOISE_ALONG * coverage.noise;
+        let far = |spacings: f64| spacings * coverage.spacing + NOISE_ALONG * coverage.noise;
+        let (alone, pair) = (far(LONE), far(PAIR));
         let mut kept = &parameters[..];
-        while let [first, next, .., before, last] = kept
+        while let [first, next, third, .., inner, before, last] = kept
             && outliers
         {
             if apart(*first, *next) > alone {
                 kept = &kept[1..];
+            } else if apart(*first, *third) > pair {
+                kept = &kept[2..];
             } else if apart(*before, *last) > alone {
                 kept = &kept[..kept.len() - 1];
+            } else if apart(*inner, *last) > pair {
+                kept = &kept[..kept.len() - 2];
             } else {
                 break;
             }

@@ -1,10 +1,10 @@
 //! Nodes put in order: one or more chains, each open or closed.
 
 use super::path::Path;
-use super::pieces::{are_apart, between, join};
+use super::pieces::{are_apart, between, is_ring, join};
 use super::tour::{cost, neighbours, short_tour};
 use super::tree::{Groups, shortest_forest};
-use crate::coverage_curve::{gap_limit, gap_limits};
+use crate::coverage_curve::{PRESUMED, gap_limits, gap_limits_of};
 use distance_field::quantile_in_place;
 use nalgebra::SVector;
 
@@ -262,7 +262,21 @@ fn cut<const D: usize>(
     let widest = (0..n).max_by(|&a, &b| gaps[a].total_cmp(&gaps[b]).then(b.cmp(&a))).unwrap_or(0);
     let others = (0..n).filter(|&k| k != widest).map(|k| gaps[k]);
     let second = others.fold(0.0, f64::max);
-    let by_gaps = asked.gap.unwrap_or_else(|| gap_limit(gaps) + slack);
+    let by_gaps = asked
+        .gap
+        .map_or_else(|| gap_limits_of(gaps, PRESUMED).map(|g| g + slack), |gap| [gap, f64::INFINITY]);
+    // Gaps that are too long only together lead from one outline to another if what they leave apart is closed.
+    if asked.closed.is_none()
+        && let Some(pieces) = rings(&nodes, gaps, by_gaps[1])
+    {
+        let (turn, lanes) = (median_turn(&pieces), lanes(&pieces));
+        let path = |nodes: Vec<SVector<f64, D>>| {
+            let gap = nodes.first().zip(nodes.last()).map_or(0.0, |(a, b)| (b - a).norm());
+            Path { nodes, gap, gap_limit: by_gaps[1], ordered }
+        };
+        return Parts { paths: pieces.into_iter().map(path).collect(), turn, lanes };
+    }
+    let by_gaps = by_gaps[0];
     // Where it is asked for, it is one chain.
     let (limit, local) = match asked {
         Asked { closed: Some(_), .. } => (f64::INFINITY, Vec::new()),
@@ -309,6 +323,23 @@ fn cut<const D: usize>(
         Path { nodes, gap, gap_limit: limit, ordered }
     };
     Parts { paths: pieces.into_iter().map(path).collect(), turn, lanes }
+}
+
+/// The pieces between gaps longer than a limit, if all of them are closed but for what neighbours are apart, and so apart from each other.
+fn rings<const D: usize>(
+    nodes: &[SVector<f64, D>],
+    gaps: &[f64],
+    limit: f64,
+) -> Option<Vec<Vec<SVector<f64, D>>>> {
+    let cuts: Vec<usize> = (0..nodes.len()).filter(|&k| gaps[k] > limit).collect();
+    if !(2..=MOST).contains(&cuts.len()) {
+        return None;
+    }
+    let along = gaps.iter().copied().filter(|g| *g <= limit).fold(0.0, f64::max);
+    let pieces = between(nodes, &cuts);
+    let fewest = least(nodes.len()).max(4);
+    let closed = pieces.iter().all(|piece| piece.len() >= fewest && is_ring(piece, along));
+    (closed && are_apart(&pieces, along)).then_some(pieces)
 }
 
 /// Median of the angles between consecutive edges.

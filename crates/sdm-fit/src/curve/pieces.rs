@@ -32,7 +32,7 @@ pub(super) fn are_apart<const D: usize>(pieces: &[Vec<SVector<f64, D>>], distanc
 }
 
 /// Whether the ends of a piece are near to each other, and the way around is much longer than that.
-fn is_ring<const D: usize>(piece: &[SVector<f64, D>], limit: f64) -> bool {
+pub(super) fn is_ring<const D: usize>(piece: &[SVector<f64, D>], limit: f64) -> bool {
     let length: f64 = piece.windows(2).map(|p| (p[1] - p[0]).norm()).sum();
     piece.len() > FEWEST && (piece[0] - piece[piece.len() - 1]).norm() <= limit && length >= AROUND * limit
 }

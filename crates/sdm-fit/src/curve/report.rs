@@ -109,7 +109,10 @@ pub struct CurveReport {
     pub reached: Option<bool>,
     /// The curve seen from the points, and the other way round.
     pub coverage: CurveCoverage,
-    /// Whether every part of the curve is near to points, and every point that counts near to the curve.
+    /// The gap between the ends of an open curve, if it is no wider than gaps between neighbours may be: whether the curve is closed is then left
+    /// open by the points, and must be told. `None` where that was asked for.
+    pub open_ends: Option<f64>,
+    /// Whether every part of the curve is near to points, every point that counts near to the curve, and whether it is closed no question.
     pub covered: bool,
     /// Factor of the energy at the end.
     pub lambda: f64,
@@ -146,6 +149,7 @@ impl Default for CurveReport {
             share_within: None,
             reached: None,
             coverage: CurveCoverage::default(),
+            open_ends: None,
             covered: true,
             lambda: 0.0,
             iterations: 0,
@@ -195,6 +199,7 @@ impl CurveReport {
             tolerance,
             share_within: tolerance.map(|_| mean(|r| r.share_within.unwrap_or(0.0))),
             reached,
+            open_ends: reports.iter().find_map(|r| r.open_ends),
             covered: reports.iter().all(|r| r.covered),
             coverage: CurveCoverage::together(&reports.iter().map(|r| &r.coverage).collect::<Vec<_>>()),
             lambda: worst.lambda,
@@ -242,6 +247,20 @@ impl CurveReport {
                 } else {
                     String::new()
                 }
+            ));
+        }
+        if coverage.unresolved && coverage.points_far == 0 {
+            return Some(format!(
+                "the points are {:.4e} (rms) from the curve, more than noise ({:.4e}) and their spacing ({:.4e}) explain, and neighbours on the same \
+                 side of it: it does not follow them",
+                self.rms, coverage.noise, coverage.spacing
+            ));
+        }
+        if let Some(gap) = self.open_ends.filter(|_| coverage.holds()) {
+            return Some(format!(
+                "the ends of the curve are {gap:.4e} apart, no further than neighbours on it may be ({:.4e}): the points leave open whether it is \
+                 closed",
+                coverage.limit
             ));
         }
         Some(format!(

@@ -11,11 +11,12 @@ use super::{ActiveSurface, InitialSurface};
 use crate::cloud_kind::{CloudKind, cloud_kind, measurable};
 use crate::coverage_surface::{SurfaceCoverage, noise_of};
 use crate::iterate::{Progress, no_progress};
+use crate::options::Robust;
 use crate::polish::may_vanish;
 use crate::{Error, FitOptions, FitReport, Status, Target};
 use distance_field::PrincipalFrame;
 use nalgebra::Vector3;
-use nurbs_core::BsplineSurface;
+use nurbs_core::{BsplineSurface, TrimLoops};
 
 /// Factor of the fairing by default: the least that leaves no folds in noisy scans.
 const FAIRING: f64 = 3e-5;
@@ -146,8 +147,11 @@ pub struct SurfaceReport {
     pub within_tolerance: bool,
     /// Cells in which the surface folds back on itself.
     pub folds: Folds,
-    /// How near the parts of the surface are to the points, unless that was not asked for.
+    /// How near the parts of the surface, as far as the data go, are to the points, unless that was not asked for.
     pub coverage: Option<SurfaceCoverage>,
+    /// The loops that bound what of the surface is near points, where parts of it are not; `None` where it is whole.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub trim: Option<TrimLoops>,
     /// Points left out because they are not finite.
     #[cfg_attr(feature = "serde", serde(rename = "points_dropped"))]
     pub dropped: usize,
@@ -369,13 +373,13 @@ fn fit_belonging(
 }
 
 /// What is known of a fit besides its last run.
-struct Run {
-    runs: usize,
-    folds: Folds,
+pub(super) struct Run {
+    pub(super) runs: usize,
+    pub(super) folds: Folds,
 }
 
 /// The result in the coordinates of the points.
-fn concluded(
+pub(super) fn concluded(
     surface: BsplineSurface,
     mut frames: Vec<PrincipalFrame<3>>,
     fit: FitReport,
@@ -383,11 +387,13 @@ fn concluded(
     options: &SurfaceOptions,
     (middle, local): (&Vector3<f64>, &[Vector3<f64>]),
 ) -> Result<SurfaceFit, Error> {
-    let coverage = if options.coverage {
-        let distances = frames.iter().map(|f| f.distance.abs()).collect();
-        Some(SurfaceCoverage::of_surface(&surface, local, noise_of(distances), options.abs_tolerance)?)
+    let (coverage, trim) = if options.coverage && !local.is_empty() {
+        let noise = noise_of(frames.iter().map(|f| f.distance.abs()).collect());
+        let outliers = options.fit.robust != Robust::None;
+        let found = SurfaceCoverage::up_to_data(&surface, local, noise, options.abs_tolerance, outliers)?;
+        (Some(found.0), found.1)
     } else {
-        None
+        (None, None)
     };
     let share_within = options.abs_tolerance.map(|tolerance| share_within(&frames, tolerance));
     let within_tolerance = share_within.is_none_or(|share| share >= options.share);
@@ -401,6 +407,7 @@ fn concluded(
         within_tolerance,
         folds: run.folds,
         coverage,
+        trim,
         dropped: 0,
     };
     frames.iter_mut().for_each(|frame| frame.foot += middle);

@@ -13,6 +13,7 @@ mod judge;
 mod rational;
 mod refine;
 mod runs;
+mod to_model;
 mod tolerance;
 
 pub use active::ActiveSurface;
@@ -28,3 +29,4 @@ pub use judge::{
     SurfaceCost, SurfaceDistances, cut_to_feet, residual_disagreement, surface_costs, surface_frames,
 };
 pub use refine::with_controls;
+pub use to_model::{fit_surface_to_model, fit_surface_to_model_with_progress};

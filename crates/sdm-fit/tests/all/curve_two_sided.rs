@@ -316,3 +316,42 @@ fn steps_that_are_no_newton_steps_are_counted() {
     let point = fit_curve(&data, Some(&start), &options(ErrorTerm::Point)).unwrap().report;
     assert_eq!(point.steps_lifted, 0, "{point}");
 }
+
+#[test]
+fn what_is_claimed_of_sparse_points_is_so() {
+    let outer = |t: f64| Vector2::new(15.0 * (TAU * t).cos(), 10.0 * (TAU * t).sin());
+    let inner = |t: f64| Vector2::new(4.0 + 5.0 * (TAU * t).cos(), 1.0 + 3.0 * (TAU * t).sin());
+    let rose = |t: f64| polar(10.0 * (2.0 * TAU * t).cos(), TAU * t);
+    let nearest = |of: &[Vector2<f64>], p: &Vector2<f64>| {
+        of.iter().map(|q| (q - p).norm()).fold(f64::INFINITY, f64::min)
+    };
+    let far =
+        |from: &[Vector2<f64>], to: &[Vector2<f64>]| from.iter().map(|p| nearest(to, p)).fold(0.0, f64::max);
+    let fine =
+        |at: &dyn Fn(f64) -> Vector2<f64>| (0..3000).map(|k| at(f64::from(k) / 3000.0)).collect::<Vec<_>>();
+    let (mut right, mut all) = (0, 0);
+    for seed in 1..4 {
+        for sigma in [0.0, 0.08] {
+            let two = [even(114, sigma, seed, outer), even(36, sigma, seed + 50, inner)].concat();
+            let cases = [
+                (two, [fine(&outer), fine(&inner)].concat(), 0.7),
+                (even(150, sigma, seed, rose), fine(&rose), 0.65),
+            ];
+            for (points, truth, spacing) in cases {
+                let Ok(found) = fit_curves(&points, &CurveOptions::default()) else { continue };
+                let claimed = found.iter().all(|c| c.fit.report.covered && c.fit.report.is_converged());
+                let curve: Vec<Vector2<f64>> = found
+                    .iter()
+                    .map(|c| &c.fit.curve)
+                    .flat_map(|c| (0..1500).map(|k| c.point(c.domain().lerp(f64::from(k) / 1500.0))))
+                    .collect();
+                let allowed = f64::max(3.0 * spacing, far(&truth, &points));
+                let off = far(&curve, &truth).max(far(&truth, &curve));
+                all += 1;
+                right += usize::from(off <= allowed && claimed);
+                assert!(off <= allowed || !claimed, "seed {seed}, noise {sigma}: {off} of {allowed}");
+            }
+        }
+    }
+    assert!(2 * right > all, "{right} of {all}");
+}

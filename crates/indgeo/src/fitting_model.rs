@@ -1,0 +1,84 @@
+//! The fit of a surface to a model: read, fit, write.
+
+use crate::cad::Choice;
+use crate::error::Error;
+use crate::fit_numbers::{FitNumbers, FitVerdict, Within, told};
+use crate::fitting_input::{check_paths, put_model, start_surface, warn_incomplete};
+use crate::fitting_surface::{Job, SurfaceResults, refused};
+use crate::progress::Progress;
+use crate::registration_field::RegistrationField;
+use crate::registration_model::RegistrationModel;
+use crate::report::{Input, Report, Results, Timings};
+use crate::surface_judgement::Judgement;
+use crate::wording::counted;
+use industrial_geometry::fit::{
+    Error as FitError, StepRecord, SurfaceDistances, fit_surface_to_model_with_progress, with_controls,
+};
+use industrial_geometry::io::Model;
+use industrial_geometry::mesh::nalgebra::Vector3;
+use std::path::Path;
+
+/// Does the job and fills in the report; returns whether surface and model are near to each other.
+pub(crate) fn run(job: &Job<'_>, sensors: usize, report: &mut Report) -> Result<FitVerdict, Error> {
+    let inputs: Vec<&Path> = std::iter::once(job.points).chain(job.init).collect();
+    check_paths(&inputs, job.out.as_slice())?;
+    let mut warnings = Vec::new();
+    let read = Timings::measure(&mut report.timings.read, || {
+        RegistrationModel::read(job.points, &Choice::default(), &mut warnings)
+    });
+    let (model, read) = read?;
+    report.warnings.append(&mut warnings);
+    report.add_input(Input::new("model", job.points, &read));
+    let start = job.init.map(|path| start_surface(path, report)).transpose()?;
+    let RegistrationField::Space(field) = model.field(job.points)? else {
+        let what = "the model lies in the plane, a surface needs one in space";
+        return Err(Error::content(job.points, what, "give a mesh or surfaces"));
+    };
+    let samples: Vec<Vector3<f64>> = model.samples(job.points)?.points().to_vec();
+    let progress = Progress::iterations("fitting", job.quiet);
+    let most = job.options.fit.max_iterations;
+    let tell = |step: &StepRecord| told(&progress, step, most);
+    let found = Timings::measure(&mut report.timings.compute, || {
+        let start = match (start, job.controls) {
+            (Some(start), Some(controls)) => Some(with_controls(start, controls)?),
+            (start, _) => start,
+        };
+        fit_surface_to_model_with_progress(field.as_ref(), &samples, start, sensors, &job.options, &tell)
+    });
+    drop(progress);
+    let failed = |error: FitError| refused(job, &error);
+    let found = found.map_err(failed)?;
+    let (surface, fitted) = (found.surface, found.report);
+    if fitted.folds.count() > 0 {
+        report.warnings.push(format!(
+            "the surface folds back on itself in {} of {}; take fewer control points or a larger --smoothing",
+            fitted.folds.count(),
+            counted(fitted.folds.cells, "cell")
+        ));
+    }
+    if let Some(path) = job.out {
+        let content = format!("B-spline surface, {} × {}", fitted.controls[0], fitted.controls[1]);
+        let mut model = Model::default();
+        model.push_trimmed(surface.clone(), fitted.trim.clone(), None);
+        put_model(path, model, job.cad, content, report)?;
+    }
+    // The other direction: what of the model the surface does not reach.
+    let back = SurfaceDistances::of(&surface, &samples, job.options.fit.robust).map_err(failed)?;
+    let judged = |coverage| Judgement::of(&samples, &back, coverage, None, job.options.fit.robust);
+    let judgement = fitted.coverage.as_ref().map(judged).unwrap_or_default();
+    let unmet = judgement.warn(job.points, back.rms, report);
+    let incomplete = warn_incomplete(fitted.coverage.as_ref(), report);
+    let fit = FitNumbers::new(fitted.fit, 0, 0, Within::default());
+    let verdict = fit.verdict().without(unmet || incomplete || fitted.folds.count() > 0);
+    report.results = Some(Results::Surface(Box::new(SurfaceResults {
+        fit,
+        base: fitted.base,
+        start: None,
+        control_points: fitted.controls,
+        runs: fitted.runs,
+        folds: fitted.folds,
+        coverage: fitted.coverage,
+        trim_loops: fitted.trim.map_or(0, |trim| trim.loops().len()),
+    })));
+    Ok(verdict)
+}
