@@ -1,0 +1,218 @@
+//! Pieces of one smooth surface become one region: swept by a motion, or free-form.
+//!
+//! On a surface that is no primitive, primitives fit piece by piece. The borders between such pieces show neither an edge nor a jump of
+//! curvature, while carriers of a part that meet tangentially differ in curvature: by as much as the smaller one turns.
+
+use nalgebra::{Point3, Vector3};
+
+use crate::assign::compact;
+use crate::carrier::Carrier;
+use crate::graph::as_index;
+use crate::grow::{Cloud, NONE, Region};
+use crate::merge::adjacency;
+use crate::sweep::decide_sweep;
+
+/// Angle in radians between the normals of two carriers at a border beyond which it is an edge.
+const EDGE: f64 = 0.06;
+/// Angle in radians by which the curvatures may differ over the width of the smaller piece.
+const BEND: f64 = 0.35;
+/// Fewest links of a smooth border.
+const LINKS: usize = 6;
+/// Fewest points of a smooth region.
+const FEWEST: usize = 30;
+
+/// Connected unlabelled points with clean neighbourhoods become smooth regions.
+pub(crate) fn gather(cloud: &Cloud<'_>, regions: &mut Vec<Region>, labels: &mut [u32]) -> usize {
+    let before = regions.len();
+    let is_free = |labels: &[u32], i: usize| labels[i] == NONE && cloud.jets.normals[i].deviation.is_finite();
+    let mut seen = vec![false; labels.len()];
+    for start in 0..labels.len() {
+        if seen[start] || !is_free(labels, start) {
+            continue;
+        }
+        seen[start] = true;
+        let mut members = vec![as_index(start)];
+        let mut k = 0;
+        while k < members.len() {
+            let i = members[k] as usize;
+            k += 1;
+            for &j in cloud.graph.around(i) {
+                let j = j as usize;
+                if seen[j] || !is_free(labels, j) {
+                    continue;
+                }
+                let agrees = cloud.jets.jets[i].as_ref().is_some_and(|jet| {
+                    let (d, n, away) = jet.at(&cloud.points[j]);
+                    away < 1.5 && d.abs() < 4.0 * cloud.sigma && n.dot(&cloud.jets.normals[j].normal).abs() > 0.94
+                });
+                if agrees {
+                    seen[j] = true;
+                    members.push(as_index(j));
+                }
+            }
+        }
+        if members.len() >= FEWEST {
+            members.sort_unstable();
+            let label = as_index(regions.len());
+            for &i in &members {
+                labels[i as usize] = label;
+            }
+            regions.push(Region { points: members, carrier: None, sweep: None, rms: cloud.sigma });
+        }
+    }
+    regions.len() - before
+}
+
+/// Normal of a region's surface at a place next to one of its points.
+fn normal_at(cloud: &Cloud<'_>, region: &Region, own: usize, x: &Point3<f64>) -> Option<Vector3<f64>> {
+    match &region.carrier {
+        Some(carrier) => Some(carrier.at(x).1),
+        None => cloud.jets.jets[own].as_ref().map(|jet| jet.at(x).1),
+    }
+}
+
+/// Joins clusters of pieces with smooth borders; returns the number of clusters.
+pub(crate) fn join(cloud: &Cloud<'_>, regions: &mut Vec<Region>, labels: &mut [u32]) -> usize {
+    let pairs = adjacency(cloud, labels);
+    let mut parent: Vec<usize> = (0..regions.len()).collect();
+    fn root(parent: &mut [usize], mut k: usize) -> usize {
+        while parent[k] != k {
+            parent[k] = parent[parent[k]];
+            k = parent[k];
+        }
+        k
+    }
+    let mut borders: std::collections::BTreeMap<(u32, u32), Vec<(u32, u32)>> = std::collections::BTreeMap::new();
+    for i in 0..labels.len() {
+        for &j in cloud.graph.around(i) {
+            let (a, b) = (labels[i], labels[j as usize]);
+            if a < b && a != NONE && b != NONE && pairs.get(&(a, b)).is_some_and(|&c| c >= LINKS) {
+                borders.entry((a, b)).or_default().push((as_index(i), j));
+            }
+        }
+    }
+    for ((a, b), links) in &borders {
+        let (one, other) = (&regions[*a as usize], &regions[*b as usize]);
+        // Planes are no pieces of curved surfaces, and few points make no border.
+        let is_plane = |r: &Region| matches!(r.carrier, Some(Carrier::Plane { .. }));
+        if is_plane(one) || is_plane(other) || one.points.len().min(other.points.len()) < FEWEST {
+            continue;
+        }
+        if is_smooth(cloud, one, other, links) {
+            let (x, y) = (root(&mut parent, *a as usize), root(&mut parent, *b as usize));
+            parent[x.max(y)] = x.min(y);
+        }
+    }
+    let mut clusters: std::collections::BTreeMap<usize, Vec<usize>> = std::collections::BTreeMap::new();
+    for k in 0..regions.len() {
+        let r = root(&mut parent, k);
+        clusters.entry(r).or_default().push(k);
+    }
+    let mut joined = 0;
+    for (first, members) in clusters {
+        if members.len() < 2 {
+            continue;
+        }
+        let mut points: Vec<u32> = members.iter().flat_map(|&k| regions[k].points.iter().copied()).collect();
+        points.sort_unstable();
+        for &i in &points {
+            labels[i as usize] = as_index(first);
+        }
+        for &k in &members {
+            regions[k].points.clear();
+        }
+        regions[first] = Region { points, carrier: None, sweep: None, rms: cloud.sigma };
+        joined += 1;
+    }
+    compact(regions, labels, 1);
+    joined
+}
+
+/// Whether two pieces meet without an edge and without a jump of curvature.
+fn is_smooth(cloud: &Cloud<'_>, one: &Region, other: &Region, links: &[(u32, u32)]) -> bool {
+    let mut turns = Vec::new();
+    let mut bends = Vec::new();
+    for &(i, j) in links {
+        let (x, y) = (cloud.points[i as usize], cloud.points[j as usize]);
+        let middle = nalgebra::center(&x, &y);
+        let (Some(n), Some(m)) =
+            (normal_at(cloud, one, i as usize, &middle), normal_at(cloud, other, j as usize, &middle))
+        else {
+            continue;
+        };
+        turns.push(n.cross(&m).norm());
+        let along = (y - x) - n * (y - x).dot(&n);
+        let length = along.norm();
+        if length <= 0.0 {
+            continue;
+        }
+        let t = along / length;
+        let step = 0.5 * cloud.graph.spacing[i as usize].max(length * 0.5);
+        let bend = |region: &Region, own: u32, n: &Vector3<f64>| {
+            let next = normal_at(cloud, region, own as usize, &(middle + t * step))?;
+            let next = if next.dot(n) < 0.0 { -next } else { next };
+            Some((next - n).dot(&t) / step)
+        };
+        let turned = if m.dot(&n) < 0.0 { -m } else { m };
+        if let (Some(p), Some(q)) = (bend(one, i, &n), bend(other, j, &turned)) {
+            bends.push(p - q);
+        }
+    }
+    if turns.len() < LINKS || bends.len() < LINKS {
+        return false;
+    }
+    let middle = |values: &mut Vec<f64>| {
+        let k = values.len() / 2;
+        *values.select_nth_unstable_by(k, f64::total_cmp).1
+    };
+    let edge = middle(&mut turns);
+    let jump = middle(&mut bends).abs();
+    let (small, on) = if one.points.len() <= other.points.len() { (one, 0) } else { (other, 1) };
+    let border: Vec<Point3<f64>> = links
+        .iter()
+        .step_by(links.len().div_ceil(60))
+        .map(|l| cloud.points[if on == 0 { l.0 } else { l.1 } as usize])
+        .collect();
+    let sample = small.points.iter().step_by(small.points.len().div_ceil(100).max(1));
+    let (mut sum, mut count) = (0.0, 0.0);
+    for &i in sample {
+        let nearest =
+            border.iter().map(|b| (b - cloud.points[i as usize]).norm()).fold(f64::INFINITY, f64::min);
+        sum += nearest;
+        count += 1.0;
+    }
+    let width = 2.0 * sum / f64::max(count, 1.0);
+    edge < EDGE && jump * width < BEND
+}
+
+/// Finds the types of regions without a carrier.
+pub(crate) fn find_sweeps(cloud: &Cloud<'_>, regions: &mut [Region]) {
+    let mut inside = vec![false; cloud.points.len()];
+    for region in regions.iter_mut().filter(|r| r.carrier.is_none()) {
+        let core = cloud.core(&region.points, &mut inside);
+        let (decision, _) = cloud.decide(&region.points, None, true, &mut inside);
+        if let Some(fit) = decision.accepted {
+            region.carrier = Some(fit.carrier);
+            region.rms = fit.rms;
+            continue;
+        }
+        let found = decide_sweep(&cloud.positions(&core), &cloud.normals(&core), cloud.sigma);
+        region.sweep = found.map(|f| f.0);
+        if let Some((_, rms)) = found {
+            region.rms = rms;
+        }
+    }
+}
+
+/// Decides the types of primitives again on what they hold at the end.
+pub(crate) fn decide_again(cloud: &Cloud<'_>, regions: &mut [Region]) {
+    let mut inside = vec![false; cloud.points.len()];
+    for region in regions.iter_mut() {
+        let Some(carrier) = region.carrier else { continue };
+        let (decision, _) = cloud.decide(&region.points, Some(&carrier), true, &mut inside);
+        if let Some(fit) = decision.accepted {
+            region.carrier = Some(fit.carrier);
+            region.rms = fit.rms;
+        }
+    }
+}
