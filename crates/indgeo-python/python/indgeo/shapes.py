@@ -192,6 +192,11 @@ class Surface(_Shape):
         """The intervals of u and of v."""
         return self._native.domain()
 
+    @property
+    def trim(self) -> list[NDArray[np.float64]]:
+        """Closed loops of parameters, each (K, 2), between which the data of a fit lie; empty where they fill the whole rectangle."""
+        return [np.array(loop, dtype=np.float64) for loop in self._document.get("trim") or []]
+
     def evaluate(self, uv: ArrayLike) -> NDArray[np.float64]:
         """Points at the parameters uv (N, 2): (N, 3)."""
         return self._native.evaluate(_pairs(uv))
