@@ -177,16 +177,12 @@ impl CadModel {
 
     /// What is said when the sizes of model and scan look like those of different units.
     pub(crate) fn unit_warning(&self, scan: f64) -> Option<String> {
-        let model = self.model.bounds().diagonal();
-        let ratio = if scan > model { scan / model } else { model / scan };
-        let (factor, units) = UNIT_FACTORS
-            .into_iter()
-            .find(|(factor, _)| ratio > factor / UNIT_SLACK && ratio < factor * UNIT_SLACK)?;
-        Some(format!(
-            "the model is {model:.6} {} across, the scan {scan:.6}: a ratio of {ratio:.1}, near the {factor} between \
-             {units}; check the units",
-            self.unit()
-        ))
+        self.units().warning(scan)
+    }
+
+    /// The unit and the size of the model.
+    pub(crate) fn units(&self) -> Units {
+        Units { name: self.unit().to_owned(), diagonal: self.model.bounds().diagonal() }
     }
 
     /// The facts about the model, for `info`.
@@ -265,5 +261,30 @@ fn kind(carrier: &Carrier) -> &'static str {
         Carrier::Torus { .. } => "torus",
         Carrier::Nurbs(surface) if surface.weights().is_some() => "rational_b_spline",
         Carrier::Nurbs(_) => "b_spline",
+    }
+}
+
+/// The unit of a model and how large it is, for a comparison with a scan.
+#[derive(Debug)]
+pub(crate) struct Units {
+    /// Name of the unit.
+    pub(crate) name: String,
+    /// Diagonal of the box around the model.
+    diagonal: f64,
+}
+
+impl Units {
+    /// What is said when the sizes of model and scan look like those of different units.
+    pub(crate) fn warning(&self, scan: f64) -> Option<String> {
+        let model = self.diagonal;
+        let ratio = if scan > model { scan / model } else { model / scan };
+        let (factor, units) = UNIT_FACTORS
+            .into_iter()
+            .find(|(factor, _)| ratio > factor / UNIT_SLACK && ratio < factor * UNIT_SLACK)?;
+        Some(format!(
+            "the model is {model:.6} {} across, the scan {scan:.6}: a ratio of {ratio:.1}, near the {factor} between \
+             {units}; check the units",
+            self.name
+        ))
     }
 }

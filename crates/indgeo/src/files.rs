@@ -153,7 +153,7 @@ pub(crate) fn write_content(
 /// The format that a file of points, triangles or shapes shall have, as typed.
 pub(crate) fn parse_format(text: &str) -> Result<Format, String> {
     Format::from_extension(text)
-        .ok_or_else(|| "choose ply, xyz, csv, pts, obj, stl, off, pcd or json".to_owned())
+        .ok_or_else(|| "choose ply, xyz, csv, pts, obj, stl, off, pcd, las, laz, e57, glb or json".to_owned())
 }
 
 /// Makes sure that the folder for several results is none of the streams.

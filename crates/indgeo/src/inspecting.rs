@@ -1,8 +1,9 @@
 //! The inspection of a cloud: read, measure, judge, write. `inspect` and `demo` both run this.
 
-use crate::cad::Choice;
+use crate::cad::{Choice, Units};
 use crate::error::Error;
 use crate::files;
+use crate::inspecting_pieces;
 use crate::model::{Loaded, Model};
 use crate::output::{self, DeviationTable, Format, Measured, NAME, Rows};
 use crate::points::Points;
@@ -14,6 +15,8 @@ use industrial_geometry::inspection::html::{self, Page};
 use industrial_geometry::inspection::{
     self, Along, Deviation, DeviationRecord, Inspection, InspectionOptions, Nominal, Outcome, Partial,
 };
+use industrial_geometry::io::ReadReport;
+use industrial_geometry::mesh::nalgebra::Vector3;
 use serde::Serialize;
 use std::f64::consts::FRAC_PI_2;
 use std::io::BufWriter;
@@ -74,6 +77,8 @@ pub(crate) struct Job<'a> {
     pub(crate) mode: &'static str,
     /// Whether points that are not finite are left out.
     pub(crate) drop_non_finite: bool,
+    /// The scan that is read of a file of several.
+    pub(crate) scan: Option<&'a str>,
     /// Number of threads asked for.
     pub(crate) threads: Option<u16>,
     /// Whether nobody wants to watch.
@@ -94,7 +99,11 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Inspection, Erro
     let loaded = Timings::measure(&mut timings.read, || Loaded::read(job.model, job.cad))?;
     report.add_input(loaded.input(job.model));
     let transform = job.motion.transform()?;
-    let mut points = Timings::measure(&mut timings.read, || Points::read(job.points, job.drop_non_finite))?;
+    if inspecting_pieces::fits(job, &loaded) {
+        return inspecting_pieces::run(job, loaded, transform, timings, report);
+    }
+    let mut points =
+        Timings::measure(&mut timings.read, || Points::read(job.points, job.drop_non_finite, job.scan))?;
     report.add_input(Input::new("points", job.points, &points.report));
     let measured = measured(&loaded.model);
     if measured == Measured::Profile {
@@ -102,10 +111,9 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Inspection, Erro
     } else {
         points.check_space(job.points)?;
     }
-    let mut options = job.options;
-    check_normals(job, &mut points)?;
+    check_normals(job, &mut points.normals)?;
     report.timings = timings;
-    warn(report, job, &loaded, &points);
+    warn(report, job, &loaded.report.warnings, &points.report);
     if let Some(transform) = &transform {
         transform.apply(&mut points);
         if measured == Measured::Profile
@@ -120,35 +128,14 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Inspection, Erro
         }
     }
 
-    if let Model::Cad(cad) = &loaded.model {
-        report.warnings.extend(cad.unit_warning(points.diagonal()));
-    }
-    let unit = match &loaded.model {
-        Model::Cad(cad) => Some(cad.unit().to_owned()),
+    let units = match &loaded.model {
+        Model::Cad(cad) => Some(cad.units()),
         _ => None,
     };
+    report.warnings.extend(units.as_ref().and_then(|units| units.warning(points.diagonal())));
     let nominal = Timings::measure(&mut timings.build, || build(loaded, job, report))?;
-    if options.along == Along::Normal && options.max_angle.is_none() && nominal.is_signed() {
-        options = options.with_max_angle(FRAC_PI_2);
-    }
-    report.model = Some(ModelSummary {
-        kind: match measured {
-            Measured::Mesh => "mesh",
-            _ if unit.is_some() => "cad",
-            _ => "nurbs",
-        },
-        unit,
-        dimension: if measured == Measured::Profile { 2 } else { 3 },
-        shapes: nominal.shapes().len(),
-        patches: nominal.piece_count(),
-        signed: nominal.is_signed(),
-    });
-    report.options = Some(Options {
-        mode: job.mode,
-        relative_gap: job.options.projection.relative_gap,
-        threads: job.threads,
-        transform: transform.map(|transform| transform.rows()),
-    });
+    let options = options(job, &nominal);
+    describe(job, &nominal, measured, units.as_ref(), transform.as_ref(), report);
     let progress = Progress::new("measuring", job.quiet);
     // Deviations are kept only for files, and without what can be computed again: clouds are large.
     let kept = if job.out.is_some() || job.page.is_some() { points.positions.len() } else { 0 };
@@ -180,18 +167,61 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Inspection, Erro
         (timings.compute > 0.0).then(|| points.positions.len() as f64 / timings.compute);
     report.timings = timings;
     write(job, format, &points, &records, &found, &nominal, measured, report)?;
-    let results = InspectionResults::new(found.clone(), points.report.non_finite);
-    report.count_points("points", results.points_dropped, results.points_used);
-    report.results = Some(Results::Inspection(Box::new(results)));
+    conclude(&found, points.report.non_finite, report);
     Ok(found)
 }
 
+/// The options of the library, with what follows from the model.
+pub(crate) fn options(job: &Job<'_>, nominal: &Nominal) -> InspectionOptions {
+    let options = job.options;
+    if options.along == Along::Normal && options.max_angle.is_none() && nominal.is_signed() {
+        return options.with_max_angle(FRAC_PI_2);
+    }
+    options
+}
+
+/// Describes model and options in the report.
+pub(crate) fn describe(
+    job: &Job<'_>,
+    nominal: &Nominal,
+    measured: Measured,
+    units: Option<&Units>,
+    transform: Option<&Transform>,
+    report: &mut Report,
+) {
+    report.model = Some(ModelSummary {
+        kind: match measured {
+            Measured::Mesh => "mesh",
+            _ if units.is_some() => "cad",
+            _ => "nurbs",
+        },
+        unit: units.map(|units| units.name.clone()),
+        dimension: if measured == Measured::Profile { 2 } else { 3 },
+        shapes: nominal.shapes().len(),
+        patches: nominal.piece_count(),
+        signed: nominal.is_signed(),
+    });
+    report.options = Some(Options {
+        mode: job.mode,
+        relative_gap: job.options.projection.relative_gap,
+        threads: job.threads,
+        transform: transform.map(Transform::rows),
+    });
+}
+
+/// Puts what was found into the report.
+pub(crate) fn conclude(found: &Inspection, non_finite: usize, report: &mut Report) {
+    let results = InspectionResults::new(found.clone(), non_finite);
+    report.count_points("points", results.points_dropped, results.points_used);
+    report.results = Some(Results::Inspection(Box::new(results)));
+}
+
 /// Makes sure that there are normals where they are needed, and drops them where they are not.
-fn check_normals(job: &Job<'_>, points: &mut Points) -> Result<(), Error> {
+pub(crate) fn check_normals(job: &Job<'_>, normals: &mut Option<Vec<Vector3<f64>>>) -> Result<(), Error> {
     let angle = job.options.max_angle;
     if job.options.along != Along::Normal && angle.is_none() {
-        points.normals = None;
-    } else if points.normals.is_none() {
+        *normals = None;
+    } else if normals.is_none() {
         let advice = match (job.options.along, angle) {
             (Along::Normal, _) => "use --along shortest, or a file with normals (nx, ny, nz)",
             _ => "leave out --max-angle, or give a file with normals (nx, ny, nz)",
@@ -202,7 +232,7 @@ fn check_normals(job: &Job<'_>, points: &mut Points) -> Result<(), Error> {
 }
 
 /// Says what a verdict rests on where that is less than a measured deviation per point.
-fn warn_of_unproven(report: &mut Report, job: &Job<'_>, found: &Inspection) {
+pub(crate) fn warn_of_unproven(report: &mut Report, job: &Job<'_>, found: &Inspection) {
     let count = |outcome: Outcome| found.outcomes.get(outcome.name()).copied().unwrap_or(0);
     let (points, path) = (found.points, job.points.display());
     let mut warn = |count: u64, text: &str| {
@@ -291,7 +321,7 @@ pub(crate) fn usage(error: &inspection::Error) -> Error {
 }
 
 /// What the deviations from a model are measured from: its surfaces if it has some, otherwise its curves.
-fn measured(model: &Model) -> Measured {
+pub(crate) fn measured(model: &Model) -> Measured {
     match model {
         Model::Plane(_) => Measured::Profile,
         Model::Space { surfaces, .. } if surfaces.shapes.is_empty() => Measured::Curves,
@@ -301,7 +331,7 @@ fn measured(model: &Model) -> Measured {
 }
 
 /// The nominal shape; curves beside surfaces are left out with a warning.
-fn build(loaded: Loaded, job: &Job<'_>, report: &mut Report) -> Result<Nominal, Error> {
+pub(crate) fn build(loaded: Loaded, job: &Job<'_>, report: &mut Report) -> Result<Nominal, Error> {
     let name = |index: usize| loaded.shapes.get(index).and_then(|shape| shape.1.clone());
     let names =
         |indices: &[u32]| indices.iter().map(|&index| name(index as usize)).collect::<Vec<Option<String>>>();
@@ -339,12 +369,11 @@ fn build(loaded: Loaded, job: &Job<'_>, report: &mut Report) -> Result<Nominal, 
     Ok(nominal)
 }
 
-fn warn(report: &mut Report, job: &Job<'_>, loaded: &Loaded, points: &Points) {
-    for (path, read) in [(job.model, &loaded.report), (job.points, &points.report)] {
-        let warnings = read.warnings.iter().map(|warning| format!("{}: {warning}", path.display()));
-        report.warnings.extend(warnings);
+/// Passes on what the readers said of the model and the points.
+pub(crate) fn warn(report: &mut Report, job: &Job<'_>, of_model: &[String], read: &ReadReport) {
+    for (path, warnings) in [(job.model, of_model), (job.points, &read.warnings)] {
+        report.warnings.extend(warnings.iter().map(|warning| format!("{}: {warning}", path.display())));
     }
-    let read = &points.report;
     if read.non_finite > 0 {
         report.warnings.push(not_finite(job.points, read.non_finite, read.points, "counted, not used"));
     }
@@ -375,13 +404,14 @@ fn write(
                 nominal,
                 options: &found.options,
                 model: measured,
-                coloured: format == Format::Ply,
+                coloured: format.has_colours(),
             };
-            let bytes = output::write(path, format, &table)?;
+            let written = output::write(path, format, &table)?;
+            report.warnings.extend(written.warnings);
             let columns: Vec<&str> =
                 table.names().into_iter().chain(points.names.as_ref().map(|_| NAME)).collect();
             let content = format!("{}: {}", counted(records.len(), "row"), columns.join(","));
-            outputs.push(Output { path: path.to_path_buf(), bytes, content });
+            outputs.push(Output { path: path.to_path_buf(), bytes: written.bytes, content });
         }
         if let Some(path) = job.page {
             let name =

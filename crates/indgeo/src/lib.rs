@@ -40,6 +40,7 @@ mod fitting_ruled;
 mod fitting_subdivision;
 mod fitting_surface;
 mod inspecting;
+mod inspecting_pieces;
 mod interrupt;
 mod memory;
 mod model;

@@ -98,6 +98,7 @@ impl Loaded {
             points: 0,
             triangles: 0,
             shapes: cad.face_count(),
+            scans: Vec::new(),
             non_finite: 0,
             dropped: 0,
             warnings: cad.warnings.clone(),

@@ -119,7 +119,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Erro
     let format =
         job.params.map(|path| Format::of(path, job.format).map(|format| (path, format))).transpose()?;
     let mut timings = Timings::default();
-    let points = Timings::measure(&mut timings.read, || Points::read(job.points, false))?;
+    let points = Timings::measure(&mut timings.read, || Points::read(job.points, false, None))?;
     report.add_input(Input::new("points", job.points, &points.report));
     let warnings = points.report.warnings.iter().map(|w| format!("{}: {w}", job.points.display()));
     report.warnings.extend(warnings);
@@ -156,7 +156,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Erro
             // Not of points that were added.
             let count = points.positions.len();
             let (feet, counts) = (&found.feet[..count], &found.counts[..count]);
-            let bytes = output::write(
+            let written = output::write(
                 path,
                 format,
                 &ParameterTable {
@@ -167,7 +167,8 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Erro
                 },
             )?;
             let content = format!("{count} parameter pairs");
-            report.add_output(Output { path: path.to_path_buf(), bytes, content });
+            report.warnings.extend(written.warnings);
+            report.add_output(Output { path: path.to_path_buf(), bytes: written.bytes, content });
         }
         Ok(())
     })?;

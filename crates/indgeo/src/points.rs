@@ -8,6 +8,18 @@ use industrial_geometry::mesh::nalgebra::{Point3, Vector2, Vector3};
 use industrial_geometry::mesh::{BoundingBox, TextField};
 use std::path::Path;
 
+/// Makes sure that a file held a point that is finite.
+pub(crate) fn check_counts(path: &Path, report: &ReadReport) -> Result<(), Error> {
+    if report.points == 0 {
+        return Err(Error::content(path, "there are no points in this file", "export it again"));
+    }
+    if report.non_finite == report.points {
+        let what = format!("no point has finite coordinates ({})", counted(report.points, "point"));
+        return Err(Error::content(path, what, "export the file again"));
+    }
+    Ok(())
+}
+
 /// Points with the triangles over them, as read.
 #[derive(Debug)]
 pub(crate) struct Points {
@@ -26,9 +38,11 @@ pub(crate) struct Points {
 }
 
 impl Points {
-    /// Reads a cloud, or the vertices of a mesh; there must be at least one finite point.
-    pub(crate) fn read(path: &Path, drop_non_finite: bool) -> Result<Self, Error> {
-        let loaded = files::read(path, &ReadOptions::default().with_drop_non_finite(drop_non_finite))?;
+    /// Reads a cloud, or the vertices of a mesh, of a file of several scans all or the one that is named; there must be at least
+    /// one finite point.
+    pub(crate) fn read(path: &Path, drop_non_finite: bool, scan: Option<&str>) -> Result<Self, Error> {
+        let options = ReadOptions::default().with_drop_non_finite(drop_non_finite);
+        let loaded = files::read(path, &options.with_scan(scan.map(str::to_owned)))?;
         let report = loaded.report;
         let (cloud, triangles) = match loaded.content {
             Content::Cloud(cloud) => (cloud, Vec::new()),
@@ -38,13 +52,7 @@ impl Points {
                 return Err(Error::content(path, what, "the order is MODEL POINTS"));
             }
         };
-        if report.points == 0 {
-            return Err(Error::content(path, "there are no points in this file", "export it again"));
-        }
-        if report.non_finite == report.points {
-            let what = format!("no point has finite coordinates ({})", counted(report.points, "point"));
-            return Err(Error::content(path, what, "export the file again"));
-        }
+        check_counts(path, &report)?;
         let is_planar = cloud.dimension() == 2;
         let (positions, mut attributes) = cloud.into_parts();
         let normals = attributes.take_normals();

@@ -46,6 +46,8 @@ pub(crate) struct Job<'a> {
     pub(crate) mode: SearchMode,
     /// Whether points that are not finite are left out.
     pub(crate) drop_non_finite: bool,
+    /// The scan that is read of a file of several.
+    pub(crate) scan: Option<&'a str>,
     /// Number of threads asked for.
     pub(crate) threads: Option<u16>,
     /// Whether nobody wants to watch.
@@ -72,7 +74,8 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Projected, Error
     let mut timings = Timings::default();
     let loaded = Timings::measure(&mut timings.read, || Loaded::read(job.model, job.cad))?;
     report.add_input(loaded.input(job.model));
-    let mut points = Timings::measure(&mut timings.read, || Points::read(job.points, job.drop_non_finite))?;
+    let mut points =
+        Timings::measure(&mut timings.read, || Points::read(job.points, job.drop_non_finite, job.scan))?;
     if job.max_angle.is_none() {
         points.normals = None;
     } else if points.normals.is_none() {
@@ -153,9 +156,10 @@ fn write(path: &Path, format: Format, projected: &Projected, report: &mut Report
         feet,
         triangles: &points.triangles,
     };
-    let bytes = Timings::measure(&mut report.timings.write, || output::write(path, format, &table))?;
+    let written = Timings::measure(&mut report.timings.write, || output::write(path, format, &table))?;
     let content = format!("{}: {}", counted(feet.len(), "row"), columns(projected).join(","));
-    report.add_output(Output { path: path.to_path_buf(), bytes, content });
+    report.warnings.extend(written.warnings);
+    report.add_output(Output { path: path.to_path_buf(), bytes: written.bytes, content });
     Ok(())
 }
 

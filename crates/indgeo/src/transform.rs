@@ -68,12 +68,17 @@ impl Transform {
 
     /// Moves points and their normals.
     pub(crate) fn apply(&self, points: &mut Points) {
-        for point in &mut points.positions {
+        self.apply_to(&mut points.positions, points.normals.as_deref_mut());
+    }
+
+    /// Moves positions and normals.
+    pub(crate) fn apply_to(&self, positions: &mut [Point3<f64>], normals: Option<&mut [Vector3<f64>]>) {
+        for point in positions {
             *point = Point3::from(self.linear * point.coords + self.translation);
         }
         // Normals of a plane move with the inverse transpose; for rotations that is the rotation.
         let across = self.linear.try_inverse().map_or(self.linear, |inverse| inverse.transpose());
-        for normal in points.normals.iter_mut().flatten() {
+        for normal in normals.into_iter().flatten() {
             *normal = across * *normal;
         }
     }

@@ -136,6 +136,27 @@ pub(crate) fn assemble(columns: Vec<Column>, warnings: &mut Vec<String>) -> Resu
     cloud.with_attributes(attributes).map_err(NotPoints::Shape)
 }
 
+/// The places of x, y and z, and of normals where there are any, of columns of which [`assemble`] makes points in space without
+/// anything to tell; `None` for all others.
+pub(crate) fn point_columns(columns: &[(&str, Kind)]) -> Option<([usize; 3], Option<[usize; 3]>)> {
+    let empty =
+        |&(name, kind): &(&str, Kind)| Some(Column { name: name.to_owned(), kind, values: Vec::new() });
+    let found: Vec<Option<Column>> = columns.iter().map(empty).collect();
+    let positions = triple(&found, &POSITION)?;
+    let is_repeated =
+        |(place, (name, _)): (usize, &(&str, Kind))| columns[..place].iter().any(|(other, _)| other == name);
+    if columns.iter().enumerate().any(is_repeated) {
+        return None;
+    }
+    // Other colours than bytes have to be looked at.
+    let is_colour =
+        |name: &str| COLOUR.iter().chain([&ALPHA]).any(|names| names.contains(&plain_name(name).as_str()));
+    if columns.iter().any(|(name, kind)| is_colour(name) && *kind != Kind::Byte) {
+        return None;
+    }
+    Some((positions, triple(&found, &NORMAL)))
+}
+
 /// The places of three columns, if each occurs exactly once.
 fn triple(columns: &[Option<Column>], names: &[&[&str]; 3]) -> Option<[usize; 3]> {
     let mut places = [0; 3];
@@ -156,7 +177,7 @@ fn zip3<'a>([x, y, z]: [&'a Column; 3]) -> impl Iterator<Item = [f64; 3]> + 'a {
 }
 
 /// A name that no scalar has yet.
-fn free_name(attributes: &Attributes, name: String, warnings: &mut Vec<String>) -> String {
+pub(crate) fn free_name(attributes: &Attributes, name: String, warnings: &mut Vec<String>) -> String {
     if attributes.scalar(&name).is_none() {
         return name;
     }

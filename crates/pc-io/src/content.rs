@@ -4,7 +4,7 @@ use mesh_core::{PointCloud, TriangleMesh};
 
 use crate::error::Location;
 use crate::wording::counted;
-use crate::{Error, Format, Model, Place, ReadReport, Shape};
+use crate::{Error, Format, Model, Place, ReadReport, Scan, Shape};
 
 /// Points, triangles, or curves and surfaces.
 #[derive(Debug, Clone, PartialEq)]
@@ -74,6 +74,7 @@ impl Content {
         mut self,
         format: Format,
         warnings: Vec<String>,
+        scans: Vec<Scan>,
         drop_non_finite: bool,
     ) -> Loaded<Self> {
         let (points, triangles, shapes, non_finite) = match &self {
@@ -87,8 +88,17 @@ impl Content {
             Self::Mesh(mesh) => mesh.retain_finite(),
             Self::Nurbs(_) => 0,
         };
-        let report =
-            ReadReport { path: None, format, points, triangles, shapes, non_finite, dropped, warnings };
+        let report = ReadReport {
+            path: None,
+            format,
+            points,
+            triangles,
+            shapes,
+            scans,
+            non_finite,
+            dropped,
+            warnings,
+        };
         Loaded { content: self, report }
     }
 }

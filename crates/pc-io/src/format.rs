@@ -5,9 +5,9 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use crate::number;
 use crate::source::{Lines, Source};
 use crate::{Error, Place};
+use crate::{number, scanner};
 
 /// A file format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
@@ -32,13 +32,21 @@ pub enum Format {
     Off,
     /// Point Cloud Data (PCL): ascii, binary, compressed.
     Pcd,
+    /// Lidar points (ASPRS).
+    Las,
+    /// LAS, compressed.
+    Laz,
+    /// Scans with their poses (ASTM E2807).
+    E57,
+    /// Binary glTF; write only.
+    Glb,
     /// NURBS curves and surfaces as JSON.
     Json,
 }
 
 impl Format {
     /// All formats.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 14] = [
         Self::Ply,
         Self::Xyz,
         Self::Csv,
@@ -48,6 +56,10 @@ impl Format {
         Self::Stl,
         Self::Off,
         Self::Pcd,
+        Self::Las,
+        Self::Laz,
+        Self::E57,
+        Self::Glb,
         Self::Json,
     ];
 
@@ -64,6 +76,10 @@ impl Format {
             "stl" => Self::Stl,
             "off" | "coff" | "noff" => Self::Off,
             "pcd" => Self::Pcd,
+            "las" => Self::Las,
+            "laz" => Self::Laz,
+            "e57" => Self::E57,
+            "glb" => Self::Glb,
             "json" => Self::Json,
             _ => return None,
         })
@@ -88,8 +104,24 @@ impl Format {
             Self::Stl => "stl",
             Self::Off => "off",
             Self::Pcd => "pcd",
+            Self::Las => "las",
+            Self::Laz => "laz",
+            Self::E57 => "e57",
+            Self::Glb => "glb",
             Self::Json => "json",
         }
+    }
+
+    /// Whether the file tells the format by its first bytes and is decoded piece by piece: LAS, LAZ, E57.
+    #[must_use]
+    pub const fn is_of_scanner(self) -> bool {
+        matches!(self, Self::Las | Self::Laz | Self::E57)
+    }
+
+    /// Whether a file can hold several scans, of which one can be chosen.
+    #[must_use]
+    pub const fn has_scans(self) -> bool {
+        matches!(self, Self::Ptx | Self::E57)
     }
 
     /// Whether the format is one of the tables of numbers, which share a reader.
@@ -111,6 +143,10 @@ impl fmt::Display for Format {
             Self::Stl => "STL",
             Self::Off => "OFF",
             Self::Pcd => "PCD",
+            Self::Las => "LAS",
+            Self::Laz => "LAZ",
+            Self::E57 => "E57",
+            Self::Glb => "GLB",
             Self::Json => "NURBS JSON",
         })
     }
@@ -126,6 +162,9 @@ pub(crate) fn recognise(source: Source<'_>, hint: Option<Format>) -> Result<Form
     if data.iter().all(u8::is_ascii_whitespace) {
         return Err(Error::malformed(Place::Whole, "the file is empty", "export it again"));
     }
+    if let Some(format) = scanner::by_magic(data) {
+        return Ok(format);
+    }
     if let Some((name, advice)) = known_but_unreadable(data) {
         return Err(Error::unsupported(Place::Whole, format!("this is {name}, which is not read"), advice));
     }
@@ -133,7 +172,8 @@ pub(crate) fn recognise(source: Source<'_>, hint: Option<Format>) -> Result<Form
         Error::unsupported(
             Place::Whole,
             "the format is recognised neither by the content nor by the extension",
-            "give a PLY, XYZ, CSV, PTS, PTX, OBJ, STL, OFF, PCD or NURBS JSON file",
+            "give points as PLY, XYZ, CSV, PTS, PTX, PCD, LAS, LAZ or E57, triangles as PLY, OBJ, STL or OFF, \
+             shapes as NURBS JSON, STEP or IGES",
         )
     })
 }
@@ -205,14 +245,19 @@ fn mentions(head: &[u8], words: &[&[u8]]) -> bool {
 }
 
 fn known_but_unreadable(data: &[u8]) -> Option<(&'static str, &'static str)> {
-    const CONVERT: &str = "convert it to PLY, PCD or XYZ first";
+    const CONVERT: &str =
+        "convert it to PLY, PCD or XYZ first, or build this program with the feature for it";
     const KNOWN: [(&[u8], &str, &str); 10] = [
         (b"\x1f\x8b", "a gzip archive", "unpack it first"),
         (b"PK\x03\x04", "a zip archive", "unpack it first"),
         (b"\x28\xb5\x2f\xfd", "a zstd archive", "unpack it first"),
         (b"LASF", "a LAS or LAZ file", CONVERT),
         (b"ASTM-E57", "an E57 file", CONVERT),
-        (b"ISO-10303-21", "a STEP file", "convert it to NURBS JSON or to a mesh first"),
+        (
+            b"ISO-10303-21",
+            "a STEP file",
+            "give it as a model, or convert it to NURBS JSON or to a mesh first",
+        ),
         (b"3D Geometry File Format", "a Rhino 3DM file", "convert it to NURBS JSON or to a mesh first"),
         (b"glTF", "a binary glTF file", "convert it to PLY, OBJ or STL first"),
         (b"# vtk DataFile", "a VTK file", "convert it to PLY, OBJ or STL first"),

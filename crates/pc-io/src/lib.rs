@@ -9,6 +9,9 @@
 //! | STL | ascii and binary, corners joined that differ by rounding | binary |
 //! | OFF | with normals and colours, in free format | with normals and colours |
 //! | PCD | 0.5 to 0.7, ascii, binary and compressed | binary |
+//! | LAS, LAZ | 1.0 to 1.4 with extra bytes; COPC as LAZ (feature `las`) | 1.4 with extra bytes |
+//! | E57 | several scans with poses (feature `e57`) | one scan of doubles |
+//! | GLB | no | points and triangles with normals and colours |
 //! | NURBS JSON | curves, surfaces, models; the JSON of geomdl | the same |
 //!
 //! [`write_polylines`] writes tessellated curves as OBJ, PLY, SVG or DXF.
@@ -38,9 +41,16 @@
 mod atomic;
 mod columns;
 mod content;
+#[cfg(feature = "e57")]
+mod e57;
 mod error;
+#[cfg(any(feature = "las", feature = "e57"))]
+mod foreign;
 mod format;
+mod glb;
 mod json;
+#[cfg(feature = "las")]
+mod las;
 mod model;
 mod number;
 mod number_type;
@@ -48,11 +58,14 @@ mod obj;
 mod off;
 mod parsed;
 mod pcd;
+mod pieces;
 mod ply;
 mod polylines;
 mod ptx;
 mod read;
 mod report;
+mod scanner;
+mod scans;
 mod shape;
 mod source;
 mod stl;
@@ -69,10 +82,12 @@ pub use mesh_core;
 pub use model::{Model, Shape};
 pub use number::write_number;
 pub use nurbs_core;
+pub use pieces::{Piece, is_read_in_pieces, read_pieces};
 pub use polylines::{PolylineFormat, write_polylines};
 pub(crate) use read::not_points;
 pub use read::{read, read_bytes, read_cloud, read_from, read_mesh, read_model};
 pub use report::{ReadOptions, ReadReport, WriteOptions, WriteReport};
+pub use scans::Scan;
 pub use unfinished::{Unfinished, remove_unfinished};
 pub use write::{write, write_cloud, write_mesh, write_model, write_to};
 pub use xyz::write_text;

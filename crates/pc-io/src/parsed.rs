@@ -3,7 +3,10 @@
 use crate::wording::counted;
 use mesh_core::{PointCloud, TriangleMesh};
 
-use crate::{Content, Error, Format, Model};
+use crate::{Content, Error, Format, Model, Scan};
+
+/// The warning about an empty file.
+pub(crate) const NO_POINTS: &str = "the file holds no points";
 
 /// Points, triangles, or curves and surfaces, and doubts, as read.
 #[derive(Debug)]
@@ -11,6 +14,8 @@ pub(crate) struct Parsed {
     pub(crate) format: Format,
     pub(crate) found: Found,
     pub(crate) warnings: Vec<String>,
+    /// The scans, of a format that can hold several.
+    pub(crate) scans: Vec<Scan>,
 }
 
 /// What a reader found.
@@ -26,7 +31,7 @@ pub(crate) enum Found {
 
 impl Parsed {
     pub(crate) const fn cloud(format: Format, cloud: PointCloud, warnings: Vec<String>) -> Self {
-        Self { format, found: Found::Cloud(cloud), warnings }
+        Self { format, found: Found::Cloud(cloud), warnings, scans: Vec::new() }
     }
 
     pub(crate) const fn mesh(
@@ -35,14 +40,14 @@ impl Parsed {
         triangles: Vec<[u32; 3]>,
         warnings: Vec<String>,
     ) -> Self {
-        Self { format, found: Found::Mesh(vertices, triangles), warnings }
+        Self { format, found: Found::Mesh(vertices, triangles), warnings, scans: Vec::new() }
     }
 
     pub(crate) const fn model(format: Format, model: Model, warnings: Vec<String>) -> Self {
-        Self { format, found: Found::Model(model), warnings }
+        Self { format, found: Found::Model(model), warnings, scans: Vec::new() }
     }
 
-    pub(crate) fn into_content(self) -> Result<(Content, Format, Vec<String>), Error> {
+    pub(crate) fn into_content(self) -> Result<(Content, Format, Vec<String>, Vec<Scan>), Error> {
         let mut warnings = self.warnings;
         let content = match self.found {
             Found::Cloud(cloud) => Content::Cloud(cloud),
@@ -55,13 +60,13 @@ impl Parsed {
             Found::Model(model) => Content::Nurbs(model),
         };
         match &content {
-            Content::Cloud(cloud) if cloud.is_empty() => warnings.push("the file holds no points".to_owned()),
+            Content::Cloud(cloud) if cloud.is_empty() => warnings.push(NO_POINTS.to_owned()),
             Content::Mesh(mesh) if mesh.triangles().is_empty() => {
                 warnings.push("the file holds no triangles".to_owned());
             }
             _ => {}
         }
-        Ok((content, self.format, warnings))
+        Ok((content, self.format, warnings, self.scans))
     }
 }
 

@@ -6,8 +6,9 @@ use nalgebra::{Matrix4, Point3};
 
 use crate::number::{parse, parse_count};
 use crate::parsed::Parsed;
+use crate::scans::{Scan, chosen};
 use crate::source::{Lines, Source, quoted, words};
-use crate::{Error, Format};
+use crate::{Error, Format, ReadOptions};
 
 const EXPORT: &str = "correct the line or export the file again";
 const TRUNCATED: &str = "the file is truncated or its counts are wrong, export it again";
@@ -44,11 +45,14 @@ struct Points {
 
 /// Reads the points of all scans, moved by their poses; which scan a point belongs to is a scalar where there are several.
 /// Lines 0 0 0 stand for pulses without an answer and are left out.
-pub(crate) fn read(source: Source<'_>) -> Result<Parsed, Error> {
+pub(crate) fn read(source: Source<'_>, options: &ReadOptions) -> Result<Parsed, Error> {
+    let choice = options.scan.as_deref();
+    let wanted = choice.and_then(|choice| choice.parse::<u32>().ok());
     let mut lines = source.lines_from(0);
     let mut points = Points::default();
     let mut warnings = Vec::new();
     let mut scan = 0u32;
+    let mut scans = Vec::new();
     while let Some((at, line)) = lines.find(|(_, line)| !line.trim_ascii().is_empty()) {
         let head = Head::read(source, (at, line), &mut lines)?;
         if !head.is_rigid() {
@@ -58,9 +62,21 @@ pub(crate) fn read(source: Source<'_>) -> Result<Parsed, Error> {
                 source.line_at(at)
             ));
         }
+        let (before, missing) = (points.positions.len(), points.missing);
         points.read_scan(source, &mut lines, &head, scan)?;
+        if wanted.is_some_and(|wanted| wanted != scan) {
+            points.truncate(before);
+            points.missing = missing;
+        } else {
+            let points = points.positions.len() - before;
+            // Points are rows in the file, and columns in a pose.
+            let pose = [0, 1, 2, 3].map(|row| [0, 1, 2, 3].map(|column| head.matrix[(column, row)]));
+            scans.push(Scan { number: scan as usize, name: None, points, pose: Some(pose) });
+        }
         scan += 1;
     }
+    // Scans have no names here, and their number is known only now.
+    chosen(choice, &vec![None; scan as usize])?;
     if points.missing > 0 {
         warnings.push(format!(
             "left out: {} of the grids without a point (0 0 0)",
@@ -78,7 +94,7 @@ pub(crate) fn read(source: Source<'_>) -> Result<Parsed, Error> {
         attributes.push_scalar("scan", points.scans).map_err(Error::shape)?;
     }
     let cloud = PointCloud::new(points.positions).with_attributes(attributes).map_err(Error::shape)?;
-    Ok(Parsed::cloud(Format::Ptx, cloud, warnings))
+    Ok(Parsed { scans, ..Parsed::cloud(Format::Ptx, cloud, warnings) })
 }
 
 /// What stands before the points of a scan.
@@ -140,6 +156,14 @@ impl Head {
 }
 
 impl Points {
+    /// Forgets the points behind the first `count`.
+    fn truncate(&mut self, count: usize) {
+        self.positions.truncate(count);
+        self.intensities.truncate(count);
+        self.colours.truncate(count);
+        self.scans.truncate(count);
+    }
+
     fn read_scan(
         &mut self,
         source: Source<'_>,

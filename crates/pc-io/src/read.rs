@@ -9,9 +9,12 @@ use mesh_core::{PointCloud, TriangleMesh};
 
 use crate::columns::NotPoints;
 use crate::content::{Content, Loaded};
+#[cfg(any(feature = "las", feature = "e57"))]
+use crate::foreign::Input;
 use crate::format::recognise;
+use crate::parsed::Parsed;
 use crate::source::{Source, decode_text};
-use crate::{Error, Format, Model, Place, ReadOptions, json, obj, off, pcd, ply, ptx, stl, xyz};
+use crate::{Error, Format, Model, Place, ReadOptions, json, obj, off, pcd, ply, ptx, scanner, stl, xyz};
 
 /// Reads a file, its format recognised by the content first and the extension second.
 ///
@@ -75,7 +78,34 @@ fn read_as<T>(
     options: &ReadOptions,
     take: fn(Content) -> Result<T, Error>,
 ) -> Result<Loaded<T>, Error> {
+    #[cfg(any(feature = "las", feature = "e57"))]
+    if let Some((format, input)) = open_of_scanner(path, options)? {
+        let hint = Format::from_path(path);
+        let loaded = scanner::read(format, input, options).and_then(|parsed| load(parsed, hint, options));
+        return name(loaded, path, take);
+    }
     read_named(read_file(path), path, options, take)
+}
+
+/// Opens a file of a scanner, which may be larger than what is kept of it, so that it is decoded while it is read.
+#[cfg(any(feature = "las", feature = "e57"))]
+pub(crate) fn open_of_scanner(path: &Path, options: &ReadOptions) -> Result<Option<(Format, Input)>, Error> {
+    use std::io::{Seek, SeekFrom};
+    let opened = || {
+        if !fs::metadata(path)?.is_file() {
+            return Ok(None);
+        }
+        let mut file = File::open(path)?;
+        let mut head = Vec::new();
+        Read::by_ref(&mut file).take(scanner::MAGIC as u64).read_to_end(&mut head)?;
+        let format = match options.format {
+            Some(format) => Some(format).filter(|format| scanner::is_built(*format)),
+            None => scanner::by_magic(&head),
+        };
+        file.seek(SeekFrom::Start(0))?;
+        format.map(|format| Ok((format, Input::of_file(file)?))).transpose()
+    };
+    opened().map_err(|source| Error::Io { path: path.to_path_buf(), action: "read", source })
 }
 
 fn read_named<T>(
@@ -85,8 +115,16 @@ fn read_named<T>(
     take: fn(Content) -> Result<T, Error>,
 ) -> Result<Loaded<T>, Error> {
     let data = data.map_err(|source| Error::Io { path: path.to_path_buf(), action: "read", source })?;
-    let Loaded { content, mut report } =
-        read_bytes(&data, Format::from_path(path), options).map_err(|error| error.in_file(path))?;
+    name(read_bytes(&data, Format::from_path(path), options), path, take)
+}
+
+/// Names the file in what was read of it, or in the error.
+fn name<T>(
+    loaded: Result<Loaded<Content>, Error>,
+    path: &Path,
+    take: fn(Content) -> Result<T, Error>,
+) -> Result<Loaded<T>, Error> {
+    let Loaded { content, mut report } = loaded.map_err(|error| error.in_file(path))?;
     report.path = Some(path.to_path_buf());
     Ok(Loaded { content: take(content).map_err(|error| error.in_file(path))?, report })
 }
@@ -111,6 +149,13 @@ pub fn read_bytes(
     hint: Option<Format>,
     options: &ReadOptions,
 ) -> Result<Loaded<Content>, Error> {
+    #[cfg(any(feature = "las", feature = "e57"))]
+    if let Some(format) = options.format.map_or_else(
+        || scanner::by_magic(data),
+        |format| Some(format).filter(|format| scanner::is_built(*format)),
+    ) {
+        return load(scanner::read(format, Input::of_bytes(data), options)?, hint, options);
+    }
     let data = if stl::is_binary(data) { Cow::Borrowed(data) } else { decode_text(data) };
     let source = Source { data: &data };
     let format = match options.format {
@@ -120,18 +165,40 @@ pub fn read_bytes(
     let parsed = match format {
         Format::Ply => ply::read(source)?,
         Format::Xyz | Format::Csv | Format::Pts => xyz::read(source, options)?,
-        Format::Ptx => ptx::read(source)?,
+        Format::Ptx => ptx::read(source, options)?,
         Format::Obj => obj::read(source)?,
         Format::Stl => stl::read(source)?,
         Format::Off => off::read(source)?,
         Format::Pcd => pcd::read(source)?,
         Format::Json => json::read(source)?,
+        Format::Glb => {
+            let advice = "convert it to PLY, OBJ or STL first";
+            return Err(Error::unsupported(Place::Whole, "binary glTF is written, but not read", advice));
+        }
+        Format::Las | Format::Laz | Format::E57 => return Err(scanner::not_built(format)),
     };
-    let (content, format, mut warnings) = parsed.into_content()?;
+    load(parsed, hint, options)
+}
+
+/// What the reader of a format found, with the report.
+pub(crate) fn load(
+    parsed: Parsed,
+    hint: Option<Format>,
+    options: &ReadOptions,
+) -> Result<Loaded<Content>, Error> {
+    let (content, format, mut warnings, scans) = parsed.into_content()?;
+    if let Some(scan) = options.scan.as_ref().filter(|_| !format.has_scans()) {
+        let what = format!("the scan {scan:?} is asked for, but a {format} file does not tell scans apart");
+        return Err(Error::unsupported(
+            Place::Whole,
+            what,
+            "give an E57 or PTX file, or do not choose a scan",
+        ));
+    }
     if let Some(hint) = hint.filter(|hint| *hint != format && !(hint.is_table() && format.is_table())) {
         warnings.push(format!("the name suggests {hint}, but the content is {format}"));
     }
-    Ok(content.into_loaded(format, warnings, options.drop_non_finite))
+    Ok(content.into_loaded(format, warnings, scans, options.drop_non_finite))
 }
 
 /// Says that columns are no points.

@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 
 use serde::{Serialize, Serializer};
 
-use crate::Format;
 use crate::wording::counted;
+use crate::{Format, Scan};
 
 /// How files are read.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct ReadOptions {
     /// Whether points with a coordinate that is NaN or infinite are dropped, together with the triangles that use
     /// them. Default: no, they are counted and kept.
@@ -19,9 +19,19 @@ pub struct ReadOptions {
     /// Whether commas in the numbers of tables are decimal signs where the file leaves that open: between blanks, or
     /// before three digits everywhere. Default: no, such files are refused.
     pub decimal_comma: bool,
+    /// The scan that is read of a file of several (E57, PTX): its name, or its number from 0 on; files of other formats are
+    /// refused then. Default: none, all scans together.
+    pub scan: Option<String>,
 }
 
 impl ReadOptions {
+    /// Sets the scan to be read of a file of several: a name, a number from 0 on, or `all`.
+    #[must_use]
+    pub fn with_scan(mut self, scan: Option<String>) -> Self {
+        self.scan = scan.filter(|scan| !scan.eq_ignore_ascii_case("all"));
+        self
+    }
+
     /// Sets whether commas in numbers are decimal signs where the file leaves that open.
     #[must_use]
     pub const fn with_decimal_comma(mut self, decimal_comma: bool) -> Self {
@@ -79,7 +89,7 @@ fn lossy_option<S: Serializer>(path: &Option<PathBuf>, serializer: S) -> Result<
 }
 
 /// What a file was found to hold.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[must_use]
 pub struct ReadReport {
     /// The file, where the bytes came from one.
@@ -93,6 +103,8 @@ pub struct ReadReport {
     pub triangles: usize,
     /// NURBS curves and surfaces in the file.
     pub shapes: usize,
+    /// The scans that were read, of a format that can hold several.
+    pub scans: Vec<Scan>,
     /// Points with a coordinate that is NaN or infinite.
     pub non_finite: usize,
     /// How many of those were dropped: all or none.
@@ -107,6 +119,9 @@ impl fmt::Display for ReadReport {
             write!(f, "{}: ", path.display())?;
         }
         write_counts(f, self.format, self.points, self.triangles, self.shapes)?;
+        if self.scans.len() > 1 {
+            write!(f, ", {}", counted(self.scans.len(), "scan"))?;
+        }
         if self.non_finite > 0 {
             let fate = if self.dropped > 0 { "dropped" } else { "kept" };
             let are = if self.non_finite == 1 { "is" } else { "are" };

@@ -9,7 +9,8 @@ use crate::content::Content;
 use crate::error::Location;
 use crate::shape::Shape;
 use crate::{
-    AtomicFile, Error, Format, Model, Place, WriteOptions, WriteReport, json, obj, off, pcd, ply, stl, xyz,
+    AtomicFile, Error, Format, Model, Place, WriteOptions, WriteReport, glb, json, obj, off, pcd, ply,
+    scanner, stl, xyz,
 };
 
 /// Writes what was read, in the format of the extension. The file appears whole or not at all.
@@ -176,13 +177,16 @@ fn write_shape(target: Target<'_>, shape: Shape<'_>, options: &WriteOptions) -> 
     let format = format_of(path, options)?;
     let refuse = |what, advice| Err(Error::CannotHold { path: path.to_path_buf(), format, what, advice });
     if format == Format::Stl && shape.triangles.is_empty() && !shape.positions().is_empty() {
-        return refuse("points without triangles", "choose ply, pcd, csv or xyz");
+        return refuse("points without triangles", "choose ply, pcd, las, e57, csv or xyz");
     }
     if format == Format::Json {
-        return refuse("points and triangles", "choose ply, stl, obj or off");
+        return refuse("points and triangles", "choose ply, stl, obj, off or glb");
     }
     if format == Format::Ptx {
         return refuse("points that are not on the grid of a scanner", "choose pts, ply, csv or xyz");
+    }
+    if format.is_of_scanner() && !scanner::is_built(format) {
+        return Err(scanner::not_built(format).in_file(path));
     }
     let mut warnings = Vec::new();
     let bytes = target.fill(|out| match format {
@@ -194,10 +198,13 @@ fn write_shape(target: Target<'_>, shape: Shape<'_>, options: &WriteOptions) -> 
         Format::Stl => stl::write(out, shape, &mut warnings),
         Format::Off => off::write(out, shape, &mut warnings),
         Format::Pcd => pcd::write(out, shape, &mut warnings),
+        Format::Las | Format::Laz | Format::E57 => scanner::write(out, format, shape, &mut warnings),
+        Format::Glb => glb::write(out, shape, &mut warnings),
         // Refused above.
         Format::Json | Format::Ptx => Err(io::ErrorKind::Unsupported.into()),
     })?;
-    let keeps_triangles = matches!(format, Format::Ply | Format::Obj | Format::Stl | Format::Off);
+    let keeps_triangles =
+        matches!(format, Format::Ply | Format::Obj | Format::Stl | Format::Off | Format::Glb);
     Ok(WriteReport {
         path: path.to_path_buf(),
         format,
@@ -213,6 +220,6 @@ fn format_of(path: &Path, options: &WriteOptions) -> Result<Format, Error> {
     options.format.or_else(|| Format::from_path(path)).ok_or_else(|| Error::Unsupported {
         location: Location { file: Some(path.to_path_buf()), place: Place::Whole },
         what: "the extension names no format that can be written".to_owned(),
-        advice: "choose ply, xyz, csv, pts, obj, stl, off, pcd or json".to_owned(),
+        advice: "choose ply, xyz, csv, pts, obj, stl, off, pcd, las, laz, e57, glb or json".to_owned(),
     })
 }

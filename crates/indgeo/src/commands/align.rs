@@ -24,7 +24,7 @@ pub(crate) struct Args {
     /// The moved points; the format follows from the extension; `-` is standard output (CSV, OBJ for triangles)
     #[arg(long, short, value_name = "MOVED", requires = "points")]
     out: Option<PathBuf>,
-    /// Format of MOVED, whatever its extension: ply, xyz, csv, pts, obj, stl, off or pcd
+    /// Format of MOVED, whatever its extension: ply, xyz, csv, pts, obj, stl, off, pcd, las, laz, e57 or glb
     #[arg(long, value_name = "FORMAT", requires = "out", value_parser = crate::files::parse_format)]
     format: Option<Format>,
     /// Write the motion and the residuals (JSON), as `inspect --transform` and `register --init` take it; `-` is standard output

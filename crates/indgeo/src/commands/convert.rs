@@ -27,10 +27,10 @@ use std::path::PathBuf;
 pub(crate) struct Args {
     /// File to read, its format recognised by content first; `-` is standard input
     pub(crate) input: PathBuf,
-    /// File to write: .ply, .xyz, .csv, .pts, .obj, .stl, .off, .pcd, or .json, .step and .igs for NURBS; curves also .svg and .dxf; `-` is standard
+    /// File to write: .ply, .xyz, .csv, .pts, .obj, .stl, .off, .pcd, .las, .laz, .e57, .glb, or .json, .step and .igs for NURBS; curves also .svg and .dxf; `-` is standard
     /// output (CSV, OBJ for triangles, JSON for NURBS)
     pub(crate) output: PathBuf,
-    /// Format of OUTPUT, whatever its extension: ply, xyz, csv, pts, obj, stl, off, pcd, json, step or igs, for curves svg or dxf as well
+    /// Format of OUTPUT, whatever its extension: ply, xyz, csv, pts, obj, stl, off, pcd, las, laz, e57, glb, json, step or igs, for curves svg or dxf as well
     #[arg(long, value_name = "FORMAT", value_parser = parse_form)]
     format: Option<Form>,
     /// Largest distance between a curve or surface and its chords or triangles [default: a thousandth of the diagonal of the model]
@@ -46,6 +46,10 @@ pub(crate) struct Args {
     /// Take commas in the numbers of tables as decimal signs, where the file leaves that open
     #[arg(long)]
     decimal_comma: bool,
+    /// The scan to read of a file of several (E57, PTX): its name, its number from 0 on, or `all`, which moves them by their poses
+    /// and puts them together
+    #[arg(long, value_name = "SCAN", default_value = "all")]
+    scan: String,
     /// Write PLY as text instead of binary
     #[arg(long)]
     ascii: bool,
@@ -54,7 +58,8 @@ pub(crate) struct Args {
 }
 
 const AFTER_HELP: &str = "\
-Doubles are written with full precision in every format but binary STL and PCD colours, which are single by definition.
+Doubles are written with full precision in every format but binary STL, GLB and PCD colours, which are single by definition, and
+LAS and LAZ, whose coordinates are integer steps: exact where the input has such steps, else rounded, which is told.
 
 Exit status 0: written; 2: bad input or usage; 130: interrupted (nothing half-written stays).
 
@@ -68,6 +73,7 @@ Examples:
   indgeo convert surface.json surface.step --unit mm --name blade-3
   indgeo convert part.igs part.step
   indgeo convert part.step part.stl --chord 0.01
+  indgeo convert scans.e57 front.las --scan front
   gzip -dc scan.ply.gz | indgeo convert - - --format xyz | head";
 
 /// What was written.
@@ -107,7 +113,7 @@ fn form_of(extension: &str) -> Option<Form> {
 
 fn parse_form(text: &str) -> Result<Form, String> {
     form_of(text).ok_or_else(|| {
-        "choose ply, xyz, csv, pts, obj, stl, off, pcd, json, step or igs, for curves svg or dxf as well"
+        "choose ply, xyz, csv, pts, obj, stl, off, pcd, las, laz, e57, glb, json, step or igs, for curves svg or dxf as well"
             .to_owned()
     })
 }
@@ -247,7 +253,7 @@ impl Args {
                         return Err(Error::content(
                             &self.output,
                             what,
-                            "choose ply, xyz, csv, pts, obj, stl, off or pcd",
+                            "choose ply, xyz, csv, pts, obj, stl, off, pcd, las, laz, e57 or glb",
                         ));
                     }
                     Some(Form::Cad(format)) => return self.write_cad(content, format),
@@ -293,7 +299,8 @@ pub(crate) fn run(args: &Args, report: &mut Report) -> Result<Outcome, Error> {
     let mut timings = Timings::default();
     let options = ReadOptions::default()
         .with_drop_non_finite(args.drop_non_finite)
-        .with_decimal_comma(args.decimal_comma);
+        .with_decimal_comma(args.decimal_comma)
+        .with_scan(Some(args.scan.clone()));
     let loaded = if cad_conversion::is_read_as_bytes(&args.input) {
         let bytes = Timings::measure(&mut timings.read, || files::read_bytes(&args.input))?;
         if cad_conversion::is_cad(&bytes) {

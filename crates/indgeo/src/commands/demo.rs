@@ -76,6 +76,7 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         max_angle: None,
         mode: args.search.mode,
         drop_non_finite: args.search.drop_non_finite,
+        scan: Some(&args.search.scan),
         threads: common.threads,
         quiet: common.quiet,
     };

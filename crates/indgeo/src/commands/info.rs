@@ -8,7 +8,7 @@ use crate::files;
 use crate::model::{Loaded, kind};
 use crate::report::{Input, Report, Results, Timings};
 use crate::session;
-use industrial_geometry::io::{Content, ReadOptions, ReadReport, Shape};
+use industrial_geometry::io::{Content, ReadOptions, ReadReport, Scan, Shape};
 use industrial_geometry::mesh::nalgebra::Point3;
 use industrial_geometry::mesh::{Attributes, BoundingBox, MeshTopology, TriangleMesh};
 use industrial_geometry::nurbs::{BsplineCurve, BsplineSurface, KnotVector};
@@ -32,6 +32,9 @@ pub(crate) struct Args {
     /// Take commas in the numbers of tables as decimal signs, where the file leaves that open
     #[arg(long)]
     decimal_comma: bool,
+    /// The scan to read of a file of several (E57, PTX): its name, its number from 0 on, or `all`
+    #[arg(long, value_name = "SCAN", default_value = "all")]
+    scan: String,
 }
 
 /// Runs the command.
@@ -41,7 +44,8 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
     let mut facts = Vec::new();
     let mut errors = Vec::new();
     let mut summary = String::new();
-    let options = ReadOptions::default().with_decimal_comma(args.decimal_comma);
+    let options =
+        ReadOptions::default().with_decimal_comma(args.decimal_comma).with_scan(Some(args.scan.clone()));
     for path in &args.files {
         match Timings::measure(&mut timings.read, || CadModel::read(path, &Choice::default())) {
             Ok(None) => {}
@@ -115,6 +119,10 @@ fn describe(path: &Path, content: &Content, report: &ReadReport) -> Value {
     };
     if let (Value::Object(fact), Value::Object(more)) = (&mut fact, more) {
         fact.extend(more);
+        if !report.scans.is_empty() {
+            let scan = |scan: &Scan| json!({ "index": scan.number, "name": scan.name, "points": scan.points, "pose": scan.pose });
+            fact.insert("scans".to_owned(), report.scans.iter().map(scan).collect());
+        }
     }
     fact
 }
@@ -221,13 +229,14 @@ fn write_text(text: &mut String, fact: &Value) -> std::fmt::Result {
     let mut ordered: Vec<_> = fields.iter().filter(|(name, _)| *name != "path").collect();
     ordered.sort_by_key(|(name, _)| place(name));
     for (name, value) in ordered {
-        if name != "shapes" {
+        if name != "shapes" && name != "scans" {
             writeln!(text, "  {:<21} {}", name.replace('_', " "), plain(value))?;
             continue;
         }
+        let part = name.trim_end_matches('s');
         for shape in value.as_array().into_iter().flatten() {
             let name = shape["name"].as_str().map(|name| format!(" \"{name}\"")).unwrap_or_default();
-            writeln!(text, "  shape {}{name}", plain(&shape["index"]))?;
+            writeln!(text, "  {part} {}{name}", plain(&shape["index"]))?;
             let mut ordered: Vec<_> = shape.as_object().into_iter().flatten().collect();
             ordered.sort_by_key(|(name, _)| place(name));
             for (name, value) in ordered {

@@ -24,7 +24,7 @@ pub(crate) struct Args {
     model: PathBuf,
     #[command(flatten)]
     cad: Choice,
-    /// Points: PLY, XYZ, CSV, PTS, PTX, PCD, OBJ, STL or OFF; of a mesh its vertices
+    /// Points: PLY, XYZ, CSV, PTS, PTX, PCD, LAS, LAZ, E57, OBJ, STL or OFF; of a mesh its vertices
     points: PathBuf,
     /// Allowed deviation to both sides; --lower and --upper replace one limit each
     #[arg(long, short, value_name = "T", value_parser = numbers::length, required_unless_present_all = ["lower", "upper"])]
@@ -65,7 +65,7 @@ pub(crate) struct Args {
     /// Write a page (HTML) that works offline: map of the deviations, histogram, tables
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
-    /// Write the deviation of every point; its format follows from the extension: .csv, .ply or .json; `-` is standard output (CSV)
+    /// Write the deviation of every point; its format follows from the extension: .csv, .ply, .json, .las, .laz, .e57 or .glb; `-` is standard output (CSV)
     #[arg(long, short, value_name = "OUT")]
     out: Option<PathBuf>,
     /// Format of OUT, whatever its extension
@@ -102,8 +102,8 @@ Columns of OUT, one row per point, in the order of POINTS:
   mesh      ... with triangle in place of u,v
   curves    ... with t in place of u,v; in the plane (points of two columns) without z: x,y,foot_x,foot_y,normal_x,...
 x,y,z are the coordinates after --transform. result: within, over, under, or why the point is not judged:
-beyond_max_distance, beyond_boundary, no_hit, no_normal, not_converged, invalid_point, no_matching_foot, undecided. PLY has
-red,green,blue too. The form of --json is that of docs/schema/inspect.schema.json.
+beyond_max_distance, beyond_boundary, no_hit, no_normal, not_converged, invalid_point, no_matching_foot, undecided. PLY, LAS,
+LAZ, E57 and GLB have red,green,blue too, and GLB no other columns. The form of --json is that of docs/schema/inspect.schema.json.
 
 Examples:
   indgeo inspect part.json scan.ply --tolerance 0.05 --report report.html --json report.json
@@ -168,6 +168,7 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         options: args.options()?,
         mode: args.search.mode.name(),
         drop_non_finite: args.search.drop_non_finite,
+        scan: Some(&args.search.scan),
         threads: common.threads,
         quiet: common.quiet,
     };

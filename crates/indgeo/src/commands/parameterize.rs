@@ -25,7 +25,7 @@ pub(crate) struct Args {
     /// The base surface (NURBS JSON), periodic in u where it is closed; `-` is standard output
     #[arg(long, short, value_name = "BASE.json")]
     out: Option<PathBuf>,
-    /// The parameters: x, y, z, u, v, distance, used, status, one row per point; .csv, .ply or .json
+    /// The parameters: x, y, z, u, v, distance, used, status, one row per point; .csv, .ply, .json, .las, .laz, .e57 or .glb
     #[arg(long, value_name = "UV.csv")]
     params: Option<PathBuf>,
     /// Format of UV, whatever its extension; on standard output (`-`) CSV

@@ -25,9 +25,9 @@ pub(crate) struct Args {
     pub(crate) model: PathBuf,
     #[command(flatten)]
     cad: Choice,
-    /// Points: PLY, XYZ, CSV, PTS, PTX, PCD, OBJ, STL or OFF; of a mesh its vertices; `-` is standard input
+    /// Points: PLY, XYZ, CSV, PTS, PTX, PCD, LAS, LAZ, E57, OBJ, STL or OFF; of a mesh its vertices; `-` is standard input
     pub(crate) points: PathBuf,
-    /// The result; its format follows from the extension: .csv, .ply or .json; `-` is standard output (CSV)
+    /// The result; its format follows from the extension: .csv, .ply, .json, .las, .laz, .e57 or .glb; `-` is standard output (CSV)
     #[arg(long, short, value_name = "OUT")]
     pub(crate) out: PathBuf,
     /// Largest angle between the normals of a point and of the model at its foot, up to 180 (no limit)
@@ -55,6 +55,10 @@ pub(crate) struct Search {
     /// `invalid_point` and no values, so that row i of the result belongs to point i
     #[arg(long)]
     pub(crate) drop_non_finite: bool,
+    /// The scan to read of a file of several (E57, PTX): its name, its number from 0 on, or `all`, which moves them by their poses
+    /// and puts them together
+    #[arg(long, value_name = "SCAN", default_value = "all")]
+    pub(crate) scan: String,
 }
 
 /// How hard to search.
@@ -118,7 +122,8 @@ status    converged, on_boundary (the closest point lies on the boundary of the 
 lower_bound  no point of the model, with --max-angle no foot that counts, is nearer than this; empty where nothing was proven
           (--mode fast and local).
 Numbers read back to the same bits. .csv: a missing value is empty. .ply: binary, doubles, NaN and -1 where there is no
-value; triangles of POINTS are kept. .json: {\"points\": N, \"columns\": [...], \"x\": [...], ...}, null where there is
+value; triangles of POINTS are kept. .las, .laz: extra bytes, doubles, coordinates rounded to a grid (told); .e57: an extension,
+doubles; .glb: only points and triangles. .json: {\"points\": N, \"columns\": [...], \"x\": [...], ...}, null where there is
 no value.
 
 Exit status 0: every finite point has its closest point, with its proof in certified mode; 1: one did not converge, stayed
@@ -143,6 +148,7 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         max_angle: args.max_angle.filter(|angle| *angle < 180.0).map(f64::to_radians),
         mode: args.search.mode,
         drop_non_finite: args.search.drop_non_finite,
+        scan: Some(&args.search.scan),
         threads: common.threads,
         quiet: common.quiet,
     };

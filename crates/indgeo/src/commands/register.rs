@@ -36,7 +36,7 @@ pub(crate) struct Args {
     /// for triangles)
     #[arg(long, short, value_name = "MOVED")]
     out: Option<PathBuf>,
-    /// Format of MOVED, whatever its extension: ply, xyz, csv, pts, obj, stl, off or pcd
+    /// Format of MOVED, whatever its extension: ply, xyz, csv, pts, obj, stl, off, pcd, las, laz, e57 or glb
     #[arg(long, value_name = "FORMAT", requires = "out", value_parser = crate::files::parse_format)]
     format: Option<Format>,
     /// Write the motion (JSON): matrix, quaternion, axis and angle, covariance, history; `-` is standard output
@@ -305,6 +305,7 @@ fn inspect(
         options: InspectionOptions { max_angle: angle, ..InspectionOptions::new(tolerance) },
         mode: "certified",
         drop_non_finite: true,
+        scan: None,
         threads: common.threads,
         quiet: common.quiet,
     };

@@ -191,6 +191,7 @@ fn inspect(
         options: InspectionOptions::new(tolerance).with_drop_beyond_boundary(true).with_projection(*options),
         mode: "certified",
         drop_non_finite: false,
+        scan: None,
         threads: common.threads,
         quiet: common.quiet,
     };

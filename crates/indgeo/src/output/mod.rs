@@ -1,5 +1,6 @@
 //! Results in files: one row per point, in the order of the input.
 
+mod cloud;
 mod csv;
 mod deviations;
 mod json;
@@ -16,6 +17,7 @@ pub(crate) use table::{Layout, Table};
 use crate::error::Error;
 use crate::files;
 use clap::ValueEnum;
+use industrial_geometry::io;
 use std::path::Path;
 
 /// The formats of results, by extension.
@@ -27,9 +29,22 @@ pub(crate) enum Format {
     Ply,
     /// One array per column
     Json,
+    /// LAS 1.4: columns as extra bytes, coordinates rounded to a grid
+    Las,
+    /// LAS, compressed
+    Laz,
+    /// E57: columns as an extension
+    E57,
+    /// Binary glTF: points or triangles with normals and colours, no other columns
+    Glb,
 }
 
 impl Format {
+    /// Whether a viewer shows the colours of the rows.
+    pub(crate) fn has_colours(self) -> bool {
+        !matches!(self, Self::Csv | Self::Json)
+    }
+
     /// The format that was asked for, or that of the extension; CSV on standard output.
     pub(crate) fn of(path: &Path, asked: Option<Self>) -> Result<Self, Error> {
         if let Some(format) = asked.or_else(|| files::is_stream(path).then_some(Self::Csv)) {
@@ -39,19 +54,43 @@ impl Format {
             "csv" => Ok(Self::Csv),
             "ply" => Ok(Self::Ply),
             "json" => Ok(Self::Json),
+            "las" => Ok(Self::Las),
+            "laz" => Ok(Self::Laz),
+            "e57" => Ok(Self::E57),
+            "glb" => Ok(Self::Glb),
             "" => Err(Error::content(path, "the name has no extension", ADVICE)),
             other => Err(Error::content(path, format!("results are not written as `.{other}`"), ADVICE)),
         }
     }
 }
 
-const ADVICE: &str = "choose .csv, .ply or .json, or add --format";
+const ADVICE: &str = "choose .csv, .ply, .json, .las, .laz, .e57 or .glb, or add --format";
 
-/// Writes the table; a file appears whole or not at all. Returns its size in bytes.
-pub(crate) fn write(path: &Path, format: Format, table: &dyn Rows) -> Result<u64, Error> {
-    files::write(path, |out| match format {
-        Format::Csv => csv::write(out, table),
-        Format::Ply => ply::write(out, table),
-        Format::Json => json::write(out, table),
-    })
+/// A result that was written.
+#[derive(Debug)]
+pub(crate) struct Written {
+    /// Size in bytes.
+    pub(crate) bytes: u64,
+    /// What the format could not hold.
+    pub(crate) warnings: Vec<String>,
+}
+
+/// Writes the table; a file appears whole or not at all.
+pub(crate) fn write(path: &Path, format: Format, table: &dyn Rows) -> Result<Written, Error> {
+    let mut warnings = Vec::new();
+    let bytes = files::write(path, |out| {
+        let format = match format {
+            Format::Csv => return csv::write(out, table),
+            Format::Ply => return ply::write(out, table),
+            Format::Json => return json::write(out, table),
+            Format::Las => io::Format::Las,
+            Format::Laz => io::Format::Laz,
+            Format::E57 => io::Format::E57,
+            Format::Glb => io::Format::Glb,
+        };
+        warnings = cloud::write(out, format, table)?;
+        Ok(())
+    })?;
+    let name = |warning: String| format!("{}: {warning}", path.display());
+    Ok(Written { bytes, warnings: warnings.into_iter().map(name).collect() })
 }

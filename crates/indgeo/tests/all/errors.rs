@@ -38,7 +38,7 @@ fn outputs_that_cannot_be_written() {
     let message = failure(&bench, "project model.json points.xyz -o out.txt");
     assert_eq!(
         message,
-        "error: out.txt: results are not written as `.txt`; choose .csv, .ply or .json, or add --format\n"
+        "error: out.txt: results are not written as `.txt`; choose .csv, .ply, .json, .las, .laz, .e57 or .glb, or add --format\n"
     );
     let message = failure(&bench, "project model.json points.xyz -o out");
     assert!(message.contains("the name has no extension"), "{message}");

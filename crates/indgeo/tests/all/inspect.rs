@@ -147,7 +147,7 @@ fn bad_input_and_usage() {
         ("model.json points.xyz -t 1 --transform bad.json", "reflection"),
         ("model.json points.xyz -t 1 --transform points.xyz", "points.xyz: line 1"),
         ("model.json points.xyz -t 1 --report page.pdf", "choose a name that ends in .html"),
-        ("model.json points.xyz -t 1 -o out.txt", "choose .csv, .ply or .json"),
+        ("model.json points.xyz -t 1 -o out.txt", "choose .csv, .ply, .json"),
         ("model.json scan.csv -t 1 -o scan.csv", "this would overwrite an input"),
         ("plane.json points.xyz -t 1", "the model lies in the plane, but point"),
         ("curve.json points.xyz -t 1 --along 0,0,1", "along the shortest lines only"),

@@ -35,6 +35,7 @@ mod register;
 mod register_verdicts;
 mod register_views;
 mod report;
+mod scanners;
 mod selftest;
 mod tessellate;
 mod thin_walls;

@@ -1,6 +1,7 @@
 //! PLY, the Polygon File Format: text and both byte orders.
 
 mod header;
+mod pieces;
 mod rows;
 mod texts;
 mod write;
@@ -16,6 +17,7 @@ use crate::source::Source;
 use crate::wording::counted;
 use crate::{Error, Format, not_points};
 
+pub(crate) use self::pieces::{HEAD, PointRows};
 pub(crate) use self::write::write;
 
 /// Reads points, and triangles out of faces and triangle strips.

@@ -10,5 +10,7 @@ mod nurbs_files;
 mod odd_rows;
 mod reference;
 mod round_trip;
+mod scanner_damage;
+mod scanners;
 mod sniffing;
 mod tables;

@@ -42,15 +42,23 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
+/// What `work` gives, and the bytes it took at most at one time.
+pub(crate) fn peak_of<T>(work: impl FnOnce() -> T) -> (T, usize) {
+    let before = LIVE.get();
+    PEAK.set(before);
+    let result = work();
+    (result, PEAK.get().saturating_sub(before))
+}
+
 /// Memory beyond this is out of proportion to the file: packed colours, one byte per number, compressed zeros.
 const FACTOR: usize = 150;
 const FLOOR: usize = 1 << 16;
 
 /// xorshift64*: the same bytes are flipped in every run.
-struct Random(u64);
+pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
-    fn below(&mut self, limit: usize) -> usize {
+    pub(crate) fn below(&mut self, limit: usize) -> usize {
         self.0 ^= self.0 >> 12;
         self.0 ^= self.0 << 25;
         self.0 ^= self.0 >> 27;
@@ -62,7 +70,7 @@ impl Random {
 fn read_all_ways(name: &str, data: &[u8], formats: &[Format]) {
     let options = ReadOptions::default().with_drop_non_finite(true);
     let hint = Format::from_path(name.as_ref());
-    let ways = formats.iter().map(|&format| options.with_format(format)).chain([options]);
+    let ways = formats.iter().map(|&format| options.clone().with_format(format)).chain([options.clone()]);
     for options in ways {
         PEAK.set(LIVE.get());
         let before = LIVE.get();
@@ -83,8 +91,11 @@ fn read_all_ways(name: &str, data: &[u8], formats: &[Format]) {
 fn damaged_files_end_in_an_answer_or_an_error() {
     let mut random = Random(0x9e37_79b9_7f4a_7c15);
     let json = [fixture("formats/json/model.json")];
-    let small =
-        fixtures("formats").into_iter().chain(json).filter(|path| path.metadata().unwrap().len() <= 16 << 10);
+    // Those of scanners have a test of their own.
+    let small = fixtures("formats").into_iter().chain(json).filter(|path| {
+        let is_of_scanner = Format::from_path(path).is_some_and(Format::is_of_scanner);
+        !is_of_scanner && path.metadata().unwrap().len() <= 16 << 10
+    });
     for path in small.chain([fixture("mesh/bunny_99.stl")]) {
         let name = path.to_string_lossy().into_owned();
         let whole = std::fs::read(&path).unwrap();

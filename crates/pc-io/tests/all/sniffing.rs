@@ -116,7 +116,7 @@ fn errors_say_where_what_and_what_to_do() {
         ),
         ("{\"kind\":\"sphere\"}", ["line 1:", "\"sphere\"", "surface"]),
         ("{\"shapes\":[]}", ["line 1:", "kind", "correct"]),
-        ("LASF\0\0\0\0", ["input:", "LAS", "convert"]),
+        ("LASF\0\0\0\0", ["input:", "LAS", "export"]),
         ("\x01\x02\x03", ["input:", "recognised", "PLY"]),
     ] {
         let message = message(text);

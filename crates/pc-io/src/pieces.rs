@@ -1,0 +1,176 @@
+//! Points of files that are larger than memory, piece by piece.
+
+use std::fs::{self, File};
+use std::io::{BufReader, Read, Seek, SeekFrom};
+use std::path::Path;
+
+use mesh_core::PointCloud;
+use nalgebra::{Point3, Vector3};
+
+use crate::parsed::Parsed;
+#[cfg(any(feature = "las", feature = "e57"))]
+use crate::scanner;
+use crate::{Error, Format, ReadOptions, ReadReport, ply};
+
+/// Some of the points of a file, in their order, with nothing but normals.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Piece {
+    /// Positions, in the unit of the file.
+    pub positions: Vec<Point3<f64>>,
+    /// Normals, if the points of the file have them: as many as positions.
+    pub normals: Option<Vec<Vector3<f64>>>,
+}
+
+impl Piece {
+    /// Drops the points that are not finite if `drop` says so; returns how many there were.
+    fn sift(&mut self, drop: bool) -> usize {
+        let is_finite = |point: &Point3<f64>| point.iter().all(|value| value.is_finite());
+        let keep: Vec<bool> = self.positions.iter().map(is_finite).collect();
+        let count = keep.iter().filter(|keep| !**keep).count();
+        if drop && count > 0 {
+            let mut flags = keep.iter();
+            self.positions.retain(|_| flags.next().copied().unwrap_or(false));
+            if let Some(normals) = &mut self.normals {
+                let mut flags = keep.iter();
+                normals.retain(|_| flags.next().copied().unwrap_or(false));
+            }
+        }
+        count
+    }
+}
+
+/// What the readers of single formats need to hand pieces over.
+pub(crate) struct Taker<'a, E> {
+    take: &'a mut dyn FnMut(Piece) -> Result<(), E>,
+    failed: Option<E>,
+    drop_non_finite: bool,
+    points: usize,
+    non_finite: usize,
+}
+
+impl<E> Taker<'_, E> {
+    /// Hands a piece over; false if no more are wanted.
+    pub(crate) fn give(&mut self, mut piece: Piece) -> bool {
+        self.points += piece.positions.len();
+        self.non_finite += piece.sift(self.drop_non_finite);
+        if piece.positions.is_empty() {
+            return true;
+        }
+        self.failed = (self.take)(piece).err();
+        self.failed.is_none()
+    }
+}
+
+/// Reads the points of a file in pieces of at most `limit` points, in memory for one piece, and hands them to `take`.
+///
+/// Files of LAS, LAZ and E57, and binary PLY of points alone (without triangles and texts), can be read so; `None` for all
+/// others, before `take` was called: [`read`](crate::read) takes them. Coordinates and normals have the bits that
+/// [`read`](crate::read) gives them; what else points carry is not looked at, and not warned about.
+///
+/// ```
+/// use pc_io::mesh_core::PointCloud;
+/// use pc_io::nurbs_core::nalgebra::Point3;
+/// use pc_io::{ReadOptions, WriteOptions, read_pieces, write_cloud};
+///
+/// let dir = tempfile::tempdir()?;
+/// let path = dir.path().join("scan.ply");
+/// let positions = (0..10).map(|i| Point3::new(f64::from(i), 0.0, 0.0)).collect();
+/// let _ = write_cloud(&path, &PointCloud::new(positions), &WriteOptions::default())?;
+/// let mut sizes = Vec::new();
+/// let report = read_pieces(&path, &ReadOptions::default(), 4, |piece| {
+///     sizes.push(piece.positions.len());
+///     Ok::<(), pc_io::Error>(())
+/// })?;
+/// assert_eq!(sizes, [4, 4, 2]);
+/// assert_eq!(report.map(|report| report.points), Some(10));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// As [`read`](crate::read), and what `take` fails with.
+pub fn read_pieces<E: From<Error>>(
+    path: impl AsRef<Path>,
+    options: &ReadOptions,
+    limit: usize,
+    mut take: impl FnMut(Piece) -> Result<(), E>,
+) -> Result<Option<ReadReport>, E> {
+    let (path, limit) = (path.as_ref(), limit.max(1));
+    let mut taker = Taker {
+        take: &mut take,
+        failed: None,
+        drop_non_finite: options.drop_non_finite,
+        points: 0,
+        non_finite: 0,
+    };
+    let found = read_into(path, options, limit, &mut taker);
+    if let Some(error) = taker.failed {
+        return Err(error);
+    }
+    let Some(parsed) = found.map_err(|error| error.in_file(path))? else { return Ok(None) };
+    let (points, non_finite) = (taker.points, taker.non_finite);
+    let loaded =
+        crate::read::load(parsed, Format::from_path(path), options).map_err(|error| error.in_file(path))?;
+    let mut warnings = loaded.report.warnings;
+    // The cloud of the report is empty because its points were handed over.
+    warnings.retain(|warning| points == 0 || warning != crate::parsed::NO_POINTS);
+    let dropped = if options.drop_non_finite { non_finite } else { 0 };
+    let report =
+        ReadReport { path: Some(path.to_path_buf()), points, non_finite, dropped, warnings, ..loaded.report };
+    Ok(Some(report))
+}
+
+/// Reads the points; what is left for the report.
+fn read_into<E>(
+    path: &Path,
+    options: &ReadOptions,
+    limit: usize,
+    taker: &mut Taker<'_, E>,
+) -> Result<Option<Parsed>, Error> {
+    #[cfg(any(feature = "las", feature = "e57"))]
+    if let Some((format, input)) = crate::read::open_of_scanner(path, options)? {
+        return scanner::read_pieces(format, input, options, limit, taker).map(Some);
+    }
+    let failed = |source| Error::Io { path: path.to_path_buf(), action: "read", source };
+    let Some((mut file, rows)) = open_ply(path, options).map_err(failed)? else { return Ok(None) };
+    file.seek(SeekFrom::Start(rows.start)).map_err(failed)?;
+    let mut left = rows.count;
+    let mut bytes = Vec::new();
+    while left > 0 {
+        let count = usize::try_from(left).unwrap_or(usize::MAX).min(limit);
+        bytes.resize(count * rows.stride, 0);
+        file.read_exact(&mut bytes).map_err(failed)?;
+        left -= count as u64;
+        if !taker.give(rows.piece(&bytes)) {
+            break;
+        }
+    }
+    Ok(Some(Parsed::cloud(Format::Ply, PointCloud::new(Vec::new()), Vec::new())))
+}
+
+/// Opens a binary PLY file of points alone.
+fn open_ply(
+    path: &Path,
+    options: &ReadOptions,
+) -> std::io::Result<Option<(BufReader<File>, ply::PointRows)>> {
+    let is_other = options.format.is_some_and(|format| format != Format::Ply);
+    if !fs::metadata(path)?.is_file() || is_other {
+        return Ok(None);
+    }
+    let file = File::open(path)?;
+    let length = file.metadata()?.len();
+    let mut file = BufReader::with_capacity(1 << 16, file);
+    let mut head = Vec::new();
+    file.by_ref().take(ply::HEAD).read_to_end(&mut head)?;
+    Ok(ply::PointRows::of(&head, length).map(|rows| (file, rows)))
+}
+
+/// Whether [`read_pieces`] reads a file. Files that cannot be opened are none of these.
+#[must_use]
+pub fn is_read_in_pieces(path: impl AsRef<Path>, options: &ReadOptions) -> bool {
+    let path = path.as_ref();
+    #[cfg(any(feature = "las", feature = "e57"))]
+    if crate::read::open_of_scanner(path, options).is_ok_and(|opened| opened.is_some()) {
+        return true;
+    }
+    open_ply(path, options).is_ok_and(|opened| opened.is_some())
+}
