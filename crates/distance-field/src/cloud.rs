@@ -185,19 +185,16 @@ fn turn(d: &Vector2<f64>) -> f64 {
 impl CloudField {
     /// The point nearest to `x`, which is relative to the centre; the search is shorter if one of the guesses is near.
     fn nearest(&self, x: &Vector3<f64>, guesses: [Option<usize>; 2]) -> Option<usize> {
-        let mut close = guesses.into_iter().flatten().filter_map(|i| {
+        let away = |i: usize| (x - self.points[i].coords).norm();
+        let mut near = guesses.into_iter().flatten().map(|i| (away(i), i));
+        let near = near.next().map(|first| near.fold(first, |a, b| if b.0 < a.0 { b } else { a }));
+        let close = near.and_then(|(distance, i)| {
             let around = &self.sites[i].around;
-            let distance = (x - self.points[i].coords).norm();
-            (distance <= CLOSE * around.spacing).then_some((around, distance))
+            let is_close = distance <= CLOSE * around.spacing;
+            is_close.then(|| around.nearest(&self.points, x, distance)).flatten()
         });
-        let found = close.next().and_then(|(around, distance)| {
-            around.nearest(&self.points, x, distance).or_else(|| {
-                // A little more, for what rounding takes from the distance.
-                let near = self.index.nearest_within(&Point3::from(*x), distance * (1.0 + 1e-9));
-                near.map(|near| near.index)
-            })
-        });
-        found.or_else(|| self.index.nearest(&Point3::from(*x)).map(|near| near.index))
+        let guess = near.map(|(_, i)| i);
+        close.or_else(|| self.index.nearest_near(&Point3::from(*x), guess).map(|near| near.index))
     }
 
     /// The frame of a query; which points may be near it does not change the frame.

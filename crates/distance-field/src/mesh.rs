@@ -1,7 +1,7 @@
 //! The distance from triangle meshes.
 
 use crate::local_geometry::{LocalGeometry, of_bend, of_point, of_principal, of_tensor, tangents};
-use crate::{DistanceField, Error, Hint, PrincipalFrame, Search};
+use crate::{DistanceField, Error, Hint, PrincipalFrame, Search, parallel};
 use footpoint::Status;
 use mesh_core::{Feature, HalfEdge, HalfEdgeMesh, MeshCurvature, MeshFootpoint, MeshProjector, TriangleMesh};
 use nalgebra::{Matrix3, Point3, Vector3};
@@ -51,7 +51,7 @@ impl MeshOptions {
 
 /// The distance from a triangle mesh, signed by the angle-weighted pseudo-normals (\[BA05\]).
 ///
-/// Feet are exact closest points of the polyhedron, whatever the [`Search`]; hints are not used. On open meshes the sign
+/// Feet are exact closest points of the polyhedron, whatever the [`Search`]; hints shorten the search and do not change it. On open meshes the sign
 /// is that of the side of the nearest face. Where an open mesh ends, the foot moves along the boundary edge only, and at
 /// a boundary vertex not at all.
 ///
@@ -228,9 +228,10 @@ impl Boundary {
     }
 }
 
-impl DistanceField<3> for MeshField {
-    fn frame(&self, x: &Vector3<f64>, _search: Search, _hint: &Hint) -> PrincipalFrame<3> {
-        let foot = match self.projector.project(&Point3::from(*x)) {
+impl MeshField {
+    /// The frame of a query; which triangle the search begins with does not change it.
+    fn frame_from(&self, x: &Vector3<f64>, guess: Option<usize>) -> PrincipalFrame<3> {
+        let foot = match self.projector.project_near(&Point3::from(*x), guess) {
             Ok(foot) => foot,
             Err(mesh_core::Error::NonFinitePoint { .. }) => {
                 return PrincipalFrame::invalid(Status::InvalidPoint);
@@ -248,6 +249,26 @@ impl DistanceField<3> for MeshField {
             hint: Hint::new(foot.triangle, [foot.barycentric[1], foot.barycentric[2]]),
             status: if on_boundary { Status::OnBoundary } else { Status::Converged },
         }
+    }
+}
+
+impl DistanceField<3> for MeshField {
+    fn frame(&self, x: &Vector3<f64>, _search: Search, hint: &Hint) -> PrincipalFrame<3> {
+        self.frame_from(x, hint.element_below(self.triangles.len()))
+    }
+
+    fn frames(&self, points: &[Vector3<f64>], _search: Search, hints: &[Hint]) -> Vec<PrincipalFrame<3>> {
+        // Without a hint the search begins with the triangle of the query before, which often is a neighbour.
+        parallel::map_with(
+            points.len(),
+            || None,
+            |before, i| {
+                let hinted = hints.get(i).and_then(|hint| hint.element_below(self.triangles.len()));
+                let frame = self.frame_from(&points[i], hinted.or(*before));
+                *before = frame.hint.element_below(self.triangles.len());
+                frame
+            },
+        )
     }
 
     fn bounding_box(&self) -> Aabb<3> {

@@ -126,18 +126,19 @@ impl<const D: usize> Bvh<D> {
     /// distance that `visit` returned last (it starts at infinity).
     #[inline]
     pub(crate) fn nearest(&self, x: &Point<f64, D>, visit: impl FnMut(usize) -> f64) {
-        self.nearest_where(x, |_| true, visit);
+        self.nearest_where(x, f64::INFINITY, |_| true, visit);
     }
 
-    /// As [`Bvh::nearest`], without the nodes that `keeps` refuses.
+    /// As [`Bvh::nearest`], without the nodes that `keeps` refuses, and from a squared distance that is known to be enough.
     #[inline]
     pub(crate) fn nearest_where(
         &self,
         x: &Point<f64, D>,
+        enough_sq: f64,
         keeps: impl Fn(usize) -> bool,
         mut visit: impl FnMut(usize) -> f64,
     ) {
-        let mut limit = f64::INFINITY;
+        let mut limit = enough_sq;
         let mut stack = [(0usize, 0.0f64); MAX_DEPTH + 1];
         let mut depth = 1;
         while depth > 0 {

@@ -14,6 +14,8 @@ use crate::{BoundingBox, Error, MeshTopology, TriangleMesh, parallel};
 
 /// Part of the mesh's diagonal within which triangles count as meeting at a point, where one of them has no area.
 const MEETING: f64 = 1e-9;
+/// Distances of feet are rounded by less than this share of the coordinates.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// The closest point on a mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,6 +56,8 @@ pub struct MeshProjector {
     topology: MeshTopology,
     skipped: usize,
     pub(crate) meeting: f64,
+    /// Largest absolute coordinate.
+    reach: f64,
     /// Place of each triangle of the mesh, and the normals under each node; made when they are first asked for.
     pub(crate) places: OnceLock<Vec<u32>>,
     pub(crate) cones: OnceLock<Vec<NormalCone>>,
@@ -91,6 +95,7 @@ impl MeshProjector {
             neighbours: edges.neighbours,
             skipped: welded.len() - indices.len(),
             meeting: MEETING * BoundingBox::of(positions).map_or(0.0, |bounds| bounds.diagonal()),
+            reach: triangles.iter().flat_map(|t| &t.0).map(|p| p.coords.amax()).fold(0.0, f64::max),
             triangles,
             indices,
             corners,
@@ -124,10 +129,20 @@ impl MeshProjector {
     /// [`Error::NonFinitePoint`] if a coordinate of `x` is NaN or infinite, [`Error::DistanceOverflow`] if the squared
     /// distance exceeds the largest double.
     pub fn project(&self, x: &Point3<f64>) -> Result<MeshFootpoint, Error> {
+        self.project_near(x, None)
+    }
+
+    /// [`MeshProjector::project`], in less time if the closest point lies on the given triangle of the mesh or near it; which
+    /// triangle is given does not change the answer.
+    ///
+    /// # Errors
+    /// As for [`MeshProjector::project`].
+    pub fn project_near(&self, x: &Point3<f64>, triangle: Option<usize>) -> Result<MeshFootpoint, Error> {
         if !is_finite(x) {
             return Err(Error::NonFinitePoint { x: x.x, y: x.y, z: x.z });
         }
-        let Some((place, foot)) = self.nearest(x) else {
+        let guess = triangle.and_then(|triangle| self.place_of(triangle));
+        let Some((place, foot)) = self.nearest(x, guess) else {
             return Err(Error::DistanceOverflow { x: x.x, y: x.y, z: x.z });
         };
         let normal = self.pseudo_normal(place, foot.feature, &foot.point);
@@ -151,20 +166,33 @@ impl MeshProjector {
         parallel::map(points, |i| self.project(&points[i]))
     }
 
-    fn nearest(&self, x: &Point3<f64>) -> Option<(usize, TriangleFoot)> {
-        let mut best: Option<(usize, TriangleFoot)> = None;
-        let mut limit = f64::INFINITY;
-        self.bvh.nearest(x, |place| {
-            let foot = self.triangles[place].closest(x);
-            let nearer = foot.distance_sq < limit
-                || foot.distance_sq == limit
-                    && best.is_some_and(|(best, _)| self.indices[place] < self.indices[best]);
-            if nearer {
-                limit = foot.distance_sq;
-                best = Some((place, foot));
-            }
-            limit
-        });
+    /// The nearest triangle and its foot; the search begins at the distance of a guess.
+    fn nearest(&self, x: &Point3<f64>, guess: Option<usize>) -> Option<(usize, TriangleFoot)> {
+        // Feet are rounded by units of the coordinates: boxes that are farther by no more than that may hold the nearest one, or
+        // one as near with a smaller index. With this margin the answer is the least of all, wherever the search begins.
+        let rounding = ROUNDING * (self.reach + x.coords.amax());
+        let bound = |distance_sq: f64| (distance_sq.sqrt() + rounding).powi(2);
+        let mut best = guess.map(|place| (place, self.triangles[place].closest(x)));
+        best = best.filter(|(_, foot)| foot.distance_sq < f64::INFINITY);
+        let mut limit = best.map_or(f64::INFINITY, |(_, foot)| foot.distance_sq);
+        let mut enough = bound(limit);
+        self.bvh.nearest_where(
+            x,
+            enough,
+            |_| true,
+            |place| {
+                let foot = self.triangles[place].closest(x);
+                let nearer = foot.distance_sq < limit
+                    || foot.distance_sq == limit
+                        && best.is_some_and(|(best, _)| self.indices[place] < self.indices[best]);
+                if nearer {
+                    limit = foot.distance_sq;
+                    enough = bound(limit);
+                    best = Some((place, foot));
+                }
+                enough
+            },
+        );
         best
     }
 

@@ -54,6 +54,8 @@ pub struct CloudIndex<const D: usize> {
     /// Where the points of each position begin in `members`, and the end of the last; `None` if no two points
     /// share a position.
     starts: Option<Vec<u32>>,
+    /// Position of each point, `u32::MAX` of one that is not finite; `None` where every point is a position of its own.
+    positions: Option<Vec<u32>>,
     skipped: usize,
 }
 
@@ -79,7 +81,18 @@ impl<const D: usize> CloudIndex<D> {
                 .collect(),
             None => members.iter().copied().map(coordinates).collect(),
         };
-        Ok(Self { tree: KdTree::new(&positions)?, members, starts, skipped })
+        let tree = KdTree::new(&positions)?;
+        let mut index = Self { tree, members, starts, positions: None, skipped };
+        if skipped > 0 || index.starts.is_some() {
+            let mut of_points = vec![u32::MAX; points.len()];
+            for position in (0u32..).take(positions.len()) {
+                for &member in index.points_at(position) {
+                    of_points[member as usize] = position;
+                }
+            }
+            index.positions = Some(of_points);
+        }
+        Ok(index)
     }
 
     /// Number of points that take part.
@@ -109,10 +122,22 @@ impl<const D: usize> CloudIndex<D> {
     /// The nearest point, the one of smallest index where several are equally near.
     #[must_use]
     pub fn nearest(&self, x: &Point<f64, D>) -> Option<Neighbour> {
-        let (distance_sq, position) = self.tree_for(x)?.nearest(&x.coords.into());
+        self.nearest_near(x, None)
+    }
+
+    /// [`CloudIndex::nearest`], in less time if the nearest point is the one of the given index or near it; which point is given
+    /// does not change the answer.
+    #[must_use]
+    pub fn nearest_near(&self, x: &Point<f64, D>, guess: Option<usize>) -> Option<Neighbour> {
+        let guess = guess.and_then(|index| match &self.positions {
+            Some(positions) => positions.get(index).copied(),
+            None => u32::try_from(index).ok(),
+        });
+        let (distance_sq, position) = self.tree_for(x)?.nearest(&x.coords.into(), guess);
         // Positions are numbered by their first points, so the smallest number is that of the smallest index.
-        let index = self.points_at(position).first()?;
-        distance_sq.is_finite().then_some(Neighbour { index: *index as usize, distance_sq })
+        // So far away that all squared distances overflow, no point is the nearest.
+        let index = distance_sq.is_finite().then(|| self.points_at(position).first()).flatten()?;
+        Some(Neighbour { index: *index as usize, distance_sq })
     }
 
     /// The nearest point, as [`CloudIndex::nearest`] tells it, if it lies within a distance; takes less time than that where

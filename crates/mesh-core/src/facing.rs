@@ -129,7 +129,7 @@ impl MeshProjector {
     }
 
     /// Where a triangle of the mesh stands in the hierarchy.
-    fn place_of(&self, triangle: usize) -> Option<usize> {
+    pub(crate) fn place_of(&self, triangle: usize) -> Option<usize> {
         let places = self.places.get_or_init(|| {
             let count = self.indices.iter().max().map_or(0, |&last| last as usize + 1);
             let mut places = vec![u32::MAX; count];
@@ -173,7 +173,7 @@ impl MeshProjector {
         let keeps = |node: usize| cones[node].may_face(facing.direction, facing.max_angle);
         let mut best: Option<(usize, TriangleFoot)> = None;
         let mut limit = f64::INFINITY;
-        self.bvh.nearest_where(x, keeps, |place| {
+        self.bvh.nearest_where(x, f64::INFINITY, keeps, |place| {
             if facing.agrees(self.normals.face(place)) {
                 let foot = self.triangles[place].closest(x);
                 let tied = foot.distance_sq == limit

@@ -6,7 +6,7 @@ use crate::linearise::NormalSystem;
 use crate::report::StepRecord;
 use crate::solve::{Scaled, Spectrum};
 use crate::source::Prepared;
-use crate::view::{Terms, View};
+use crate::view::{NEAR, Terms, View};
 use crate::weights::{Rejection, Rule, Weighting};
 use crate::{FootpointPolicy, Method, Pose, RegisterOptions, Status, StepControl};
 use distance_field::{DistanceField, Search};
@@ -54,8 +54,6 @@ pub(crate) struct Outcome<const D: usize> {
 /// The steps of all stages.
 pub(crate) type History = Vec<StepRecord>;
 
-/// A motion as a share of the size of the cloud below which footpoints are followed from the last ones.
-const NEAR: f64 = 0.01;
 /// How well Newton's model has to foretell the change of the cost to be taken for the next step.
 const TRUST: f64 = 0.3;
 /// A motion below which the cost is all rounding, so that nothing is concluded from its change.
@@ -136,6 +134,8 @@ impl<const D: usize> Problem<'_, D> {
         };
         let ended = (0..stage.max_iterations).find_map(|_| run.step(history).break_value());
         let status = ended.unwrap_or(Status::MaxIterations);
+        let field = self.field;
+        run.evaluations += usize::from(run.view.complete(field, stage.cloud));
         run.refresh_weights();
         Outcome {
             view: run.view,
@@ -262,7 +262,8 @@ impl<const D: usize> Run<'_, D> {
         let creeps = models.system.cost - trial.cost < gain * models.system.cost && ratio > shrinking;
         self.creeping = if creeps { self.creeping + 1 } else { 0 };
         let (short, no_gain, enough) = IDLE;
-        let short = short.max(NEGLIGIBLE * self.standard_error(rms, points));
+        // A stage that only has to come near ends where nothing is gained at the scale of its tolerance.
+        let short = short.max(self.stage.tolerance).max(NEGLIGIBLE * self.standard_error(rms, points));
         let idles = trial.motion < short && models.system.cost - trial.cost < no_gain * models.system.cost;
         self.idle = if idles { self.idle + 1 } else { 0 };
         // A method that is asked for by name goes on, as slowly as it does.
@@ -336,8 +337,15 @@ impl<const D: usize> Run<'_, D> {
             FootpointPolicy::Adaptive if motion > NEAR => Search::Global,
             FootpointPolicy::Adaptive => Search::Local,
         };
-        let relative = self.problem.options.scale;
-        let view = View::new(self.problem.field, self.stage.cloud, pose, search, Some(&self.view), relative);
+        let (field, cloud) = (self.problem.field, self.stage.cloud);
+        let view = match self.weighting {
+            // Which points are rejected does not change, and beyond the limit all count the same.
+            Weighting::Cut { limit } if self.stage.holds_rejection => {
+                self.view
+                    .moved(field, cloud, pose, search, &|i, distance| self.base[i] == 0.0 || distance > limit)
+            }
+            _ => View::new(field, cloud, pose, search, Some(&self.view), self.problem.options.scale),
+        };
         self.evaluations += 1;
         let cost = view.cost(&self.base, &self.weighting);
         Trial { view, cost, step, motion, factor }

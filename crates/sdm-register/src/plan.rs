@@ -68,9 +68,9 @@ pub(crate) struct Plan<'a, const D: usize> {
 
 impl<'a, const D: usize> Plan<'a, D> {
     pub(crate) fn new(problem: &'a Problem<'a, D>, cloud: Prepared<D>) -> Self {
-        let step = cloud.points.len() / problem.options.coarse_points.max(1);
         let cloud = Rc::new(cloud);
-        let coarse = if step >= 2 { Rc::new(cloud.thinned(step)) } else { Rc::clone(&cloud) };
+        let coarse = cloud.coarse(problem.options.coarse_points);
+        let coarse = coarse.map_or_else(|| Rc::clone(&cloud), Rc::new);
         let null_tolerance = problem.options.null_tolerance;
         let last = Last::Fit(Rule::Fixed(Weighting::SQUARES));
         Self {

@@ -14,6 +14,8 @@ use std::ops::ControlFlow;
 /// Share of the points, and their root mean square distance as a share of their size, that leave no doubt about a scale.
 const SURE_SHARE: f64 = 0.9;
 const SURE_RMS: f64 = 1e-3;
+/// Most points whose distances in the starting pose are computed: far from the shape each takes long, and no decision depends on them.
+const ELSEWHERE: usize = 20_000;
 
 /// A progress callback that does nothing.
 ///
@@ -47,11 +49,49 @@ pub fn register_with_progress<const D: usize>(
     options: &RegisterOptions<D>,
     progress: Progress<'_>,
 ) -> Result<RegisterReport<D>, Error> {
+    let cloud = prepared(source, start, options)?;
+    run(field, cloud, start, options, progress, source.points.len())
+}
+
+/// [`register_with_progress`] with some of the points alone, evenly picked: those with which the registration of all begins. `None`
+/// where these are all.
+///
+/// Where one of many starts leads, and how well it fits there, takes a fraction of the time to find out with them.
+///
+/// # Errors
+/// As for [`register`].
+pub fn register_some<const D: usize>(
+    field: &dyn DistanceField<D>,
+    source: &Source<'_, D>,
+    start: &Pose<D>,
+    options: &RegisterOptions<D>,
+    progress: Progress<'_>,
+) -> Result<Option<RegisterReport<D>>, Error> {
+    let cloud = prepared(source, start, options)?;
+    let Some(some) = cloud.coarse(options.coarse_points) else { return Ok(None) };
+    let count = some.points.len();
+    run(field, some, start, options, progress, count).map(Some)
+}
+
+/// The points that take part, of valid input.
+fn prepared<const D: usize>(
+    source: &Source<'_, D>,
+    start: &Pose<D>,
+    options: &RegisterOptions<D>,
+) -> Result<Prepared<D>, Error> {
     options.check()?;
     let cloud = Prepared::new(source, options.non_finite)?;
-    if !start.is_finite() {
-        return Err(Error::NotAMotion { deviation: f64::NAN });
-    }
+    if start.is_finite() { Ok(cloud) } else { Err(Error::NotAMotion { deviation: f64::NAN }) }
+}
+
+fn run<const D: usize>(
+    field: &dyn DistanceField<D>,
+    cloud: Prepared<D>,
+    start: &Pose<D>,
+    options: &RegisterOptions<D>,
+    progress: Progress<'_>,
+    points: usize,
+) -> Result<RegisterReport<D>, Error> {
     let start = start.with_source_origin(cloud.centre);
     let (dropped, taking_part) = (cloud.dropped, cloud.points.len());
     let chart = Chart::new(options.locks, options.scale, start);
@@ -80,7 +120,7 @@ pub fn register_with_progress<const D: usize>(
         initial_rms,
         iterations: plan.history.len(),
         evaluations: plan.evaluations,
-        points: source.points.len(),
+        points,
         dropped,
         used,
         limit: outcome.weighting.scale().map(|limit| limit * unit),
@@ -88,7 +128,8 @@ pub fn register_with_progress<const D: usize>(
     })
 }
 
-/// The root mean square distance in another pose of the points that count in an outcome, with their weights there.
+/// The root mean square distance in another pose of the points that count in an outcome, with their weights there; of very many
+/// points, of some that are evenly picked.
 fn rms_elsewhere<const D: usize>(
     problem: &Problem<'_, D>,
     cloud: &Prepared<D>,
@@ -102,7 +143,9 @@ fn rms_elsewhere<const D: usize>(
             0.0
         }
     };
-    let picked: Vec<usize> = (0..cloud.points.len()).filter(|&i| weight(i) > 0.0).collect();
+    let counting: Vec<usize> = (0..cloud.points.len()).filter(|&i| weight(i) > 0.0).collect();
+    let step = counting.len().div_ceil(ELSEWHERE).max(1);
+    let picked: Vec<usize> = counting.into_iter().step_by(step).collect();
     let view = problem.view(&cloud.picked(&picked), pose);
     let sums = picked.iter().zip(&view.frames).filter(|(_, frame)| frame.is_finite()).fold(
         (0.0, 0.0),

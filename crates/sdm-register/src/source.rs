@@ -116,6 +116,12 @@ impl<const D: usize> Prepared<D> {
         self.picked(&pick)
     }
 
+    /// At least `count` of the points, evenly picked; `None` where these are all, or nearly.
+    pub(crate) fn coarse(&self, count: usize) -> Option<Self> {
+        let step = self.points.len() / count.max(1);
+        (step >= 2).then(|| self.thinned(step))
+    }
+
     /// Some of the points, or all, in another order.
     pub(crate) fn picked(&self, pick: &[usize]) -> Self {
         fn at<T: Copy>(values: &[T], pick: &[usize]) -> Vec<T> {

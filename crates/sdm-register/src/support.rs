@@ -61,15 +61,22 @@ pub enum Doubt {
     Locks,
     /// The estimated scale makes the points far smaller, or larger, than the model: status [`Status::Diverged`].
     Collapsed,
+    /// Most of what the points could show of the model has none: see [`Coverage::doubt`](crate::Coverage::doubt).
+    Bare,
+    /// Points float in front of surfaces that were seen through them: see [`FreeSpace::doubt`](crate::FreeSpace::doubt).
+    FreeSpace,
 }
 
 impl Doubt {
     /// The status of a registration that ends with this doubt.
-    pub(crate) fn status(self) -> Status {
+    #[must_use]
+    pub fn status(self) -> Status {
         match self {
             Self::FewPoints => Status::NoOverlap,
             Self::Collapsed => Status::Diverged,
-            Self::NoSeparation | Self::LargeDistances | Self::Locks => Status::Doubtful,
+            Self::NoSeparation | Self::LargeDistances | Self::Locks | Self::Bare | Self::FreeSpace => {
+                Status::Doubtful
+            }
         }
     }
 
@@ -82,6 +89,8 @@ impl Doubt {
             Self::LargeDistances => "large_distances",
             Self::Locks => "locks",
             Self::Collapsed => "collapsed",
+            Self::Bare => "bare",
+            Self::FreeSpace => "free_space",
         }
     }
 }

@@ -8,11 +8,17 @@ use crate::weights::{Rejection, Weighting};
 use distance_field::{DistanceField, ErrorTerm, Hint, PrincipalFrame, Search};
 use nalgebra::SVector;
 
+/// A motion as a share of the size of the cloud below which footpoints are followed from the last ones.
+pub(crate) const NEAR: f64 = 0.01;
+
 /// The cloud in one pose.
 #[derive(Clone, Debug)]
 pub(crate) struct View<const D: usize> {
     pub(crate) pose: Pose<D>,
     pub(crate) frames: Vec<PrincipalFrame<D>>,
+    /// How far each point has moved since its foot was found, at most, in the unit of the model; empty where all feet are those of
+    /// the pose.
+    since: Vec<f64>,
     /// Whether distances count in the unit of the source, as they do where the scale is an unknown: in that of the model a
     /// cloud that shrinks to a point would fit anything.
     relative: bool,
@@ -46,7 +52,65 @@ impl<const D: usize> View<D> {
             _ => Vec::new(),
         };
         let search = if hints.is_empty() { Search::Global } else { search };
-        Self { pose, frames: field.frames(&points, search, &hints), relative }
+        Self { pose, frames: field.frames(&points, search, &hints), since: Vec::new(), relative }
+    }
+
+    /// The cloud in another pose, with the feet of those points alone that may matter: `idle(i, d)` tells that the foot of a point is
+    /// not needed while its distance is at least `d`, in the unit in which it counts. Such a point keeps the frame that it had.
+    ///
+    /// The distance from a shape changes by no more than the point moves.
+    pub(crate) fn moved(
+        &self,
+        field: &dyn DistanceField<D>,
+        cloud: &Prepared<D>,
+        pose: Pose<D>,
+        search: Search,
+        idle: &(dyn Fn(usize, f64) -> bool + Sync),
+    ) -> Self {
+        let unit = if self.relative { pose.scale } else { 1.0 };
+        let [linear, before] = [&pose, &self.pose].map(|pose| pose.rotation * pose.scale);
+        let moved = parallel::map(cloud.points.len(), |i| {
+            let y = &cloud.points[i];
+            let x = linear * y + pose.target_origin;
+            let step = x - (before * y + self.pose.target_origin);
+            let way = step.norm() + self.since.get(i).copied().unwrap_or(0.0);
+            let least = (self.frames[i].distance.abs() - way) / unit;
+            (x, if idle(i, least) { way } else { 0.0 }, idle(i, least))
+        });
+        let wanted: Vec<usize> = (0..moved.len()).filter(|&i| !moved[i].2).collect();
+        let since = if wanted.len() < moved.len() { moved.iter().map(|m| m.1).collect() } else { Vec::new() };
+        let mut out = Self { pose, frames: self.frames.clone(), since, relative: self.relative };
+        let points: Vec<_> = wanted.iter().map(|&i| moved[i].0).collect();
+        out.find(field, &points, search, &wanted);
+        out
+    }
+
+    /// Finds the feet that were left out; whether there were any.
+    pub(crate) fn complete(&mut self, field: &dyn DistanceField<D>, cloud: &Prepared<D>) -> bool {
+        let wanted: Vec<usize> = (0..self.since.len()).filter(|&i| self.since[i] > 0.0).collect();
+        let farthest = self.since.iter().copied().fold(0.0, f64::max);
+        self.since = Vec::new();
+        let linear = self.pose.rotation * self.pose.scale;
+        let points: Vec<_> =
+            wanted.iter().map(|&i| linear * cloud.points[i] + self.pose.target_origin).collect();
+        let is_far = farthest > NEAR * cloud.diagonal * self.pose.scale;
+        self.find(field, &points, if is_far { Search::Global } else { Search::Local }, &wanted);
+        !wanted.is_empty()
+    }
+
+    /// Finds the feet of some points, from those that they have.
+    fn find(
+        &mut self,
+        field: &dyn DistanceField<D>,
+        points: &[SVector<f64, D>],
+        search: Search,
+        wanted: &[usize],
+    ) {
+        let from: &[usize] = if search == Search::Global { &[] } else { wanted };
+        let hints: Vec<Hint> = from.iter().map(|&i| self.frames[i].hint).collect();
+        for (&i, frame) in wanted.iter().zip(field.frames(points, search, &hints)) {
+            self.frames[i] = frame;
+        }
     }
 
     /// The unit in which distances count, in that of the model.
@@ -79,7 +143,15 @@ impl<const D: usize> View<D> {
 
     /// Some of the points, or all, in another order.
     pub(crate) fn picked(&self, pick: &[usize]) -> Self {
-        Self { frames: pick.iter().map(|&i| self.frames[i]).collect(), ..*self }
+        Self {
+            frames: pick.iter().map(|&i| self.frames[i]).collect(),
+            since: if self.since.is_empty() {
+                Vec::new()
+            } else {
+                pick.iter().map(|&i| self.since[i]).collect()
+            },
+            ..*self
+        }
     }
 
     /// The weight of each point before any kernel: 0 for those without a footpoint and those that are rejected.

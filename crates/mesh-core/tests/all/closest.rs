@@ -240,3 +240,26 @@ fn ray_from_origin(mesh: &TriangleMesh, direction: &Vector3<f64>) -> Option<f64>
         weights.iter().all(|&w| w > 1e-6 * sum.abs()).then_some(1.0 / sum)
     })
 }
+
+#[test]
+fn where_the_search_begins_does_not_change_the_answer() {
+    // Vertices, edges and the centre of a cube are as near to several triangles; far away rounding is as large as what tells them apart.
+    let mesh = cube();
+    for mesh in [unshared(&mesh), mesh] {
+        let projector = MeshProjector::new(&mesh).unwrap();
+        for shift in [0.0, 0.25, 1.5, -40.0, 1e9] {
+            for k in 0..64u32 {
+                let at = |axis: u32| f64::from(k >> (2 * axis) & 3) * 0.5 - 0.25 + shift;
+                let x = p(at(0), at(1), at(2));
+                let expected = projector.project(&x).unwrap();
+                for guess in 0..14 {
+                    assert_eq!(
+                        projector.project_near(&x, Some(guess)).unwrap(),
+                        expected,
+                        "{x} from {guess}"
+                    );
+                }
+            }
+        }
+    }
+}

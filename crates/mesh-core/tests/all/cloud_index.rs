@@ -34,6 +34,9 @@ fn agrees<const D: usize>(points: &[Point<f64, D>], x: &Point<f64, D>, count: us
     assert_eq!(index.len(), expected.len());
     assert_eq!(index.skipped(), points.len() - expected.len());
     assert_eq!(index.nearest(x), expected.first().copied());
+    for guess in (0..points.len() + 2).step_by(7) {
+        assert_eq!(index.nearest_near(x, Some(guess)), expected.first().copied(), "{guess}");
+    }
     assert_eq!(index.nearest_n(x, count), expected[..count.min(expected.len())]);
     let within: Vec<_> = expected.iter().filter(|n| n.distance_sq <= radius * radius).copied().collect();
     assert_eq!(index.nearest_within(x, radius), within.first().copied());
@@ -53,6 +56,26 @@ proptest! {
     fn agrees_with_brute_force_in_the_plane(points in cloud::<2>(), x in prop::array::uniform2(-5.0..5.0f64), lattice in any::<bool>(), count in 0usize..40, radius in 0.0..6.0f64) {
         let x = Point::from(if lattice { x.map(f64::round) } else { x });
         agrees(&points, &x, count, if lattice { radius.round() } else { radius });
+    }
+}
+
+#[test]
+fn agrees_with_another_tree_on_many_points() {
+    // Points of a wavy sheet, and queries near it, far from it, and farther than its size.
+    let place = |k: u32| {
+        let [u, v] = [0.754_877_666, 0.569_840_291].map(|step: f64| (f64::from(k) * step).fract());
+        Point3::new(u, v, 0.1 * (9.0 * u).sin() * (7.0 * v).cos())
+    };
+    let points: Vec<Point3<f64>> = (0..20_000).map(place).collect();
+    let rows: Vec<[f64; 3]> = points.iter().map(|x| x.coords.into()).collect();
+    let other = kiddo::ImmutableKdTree::new_from_slice(&rows).unwrap();
+    let index = CloudIndex::new(&points).unwrap();
+    for k in 0..600 {
+        let x = place(100_000 + k) + Vector3::z() * [0.001, 0.3, 40.0][k as usize % 3];
+        let found = other.query(&x.coords.into()).nearest_one::<kiddo::SquaredEuclidean<f64>>().execute();
+        let nearest = index.nearest(&x).unwrap();
+        assert!((nearest.distance_sq - found.distance).abs() <= 1e-14 * found.distance, "{k}");
+        assert_eq!(index.nearest_n(&x, 30).len(), 30);
     }
 }
 

@@ -58,6 +58,18 @@ pub struct StartCandidate {
     pub method: StartMethod,
 }
 
+impl StartCandidate {
+    /// Share of the cloud that lies on the model beyond what chance explains: an estimate of the overlap, and little where surfaces
+    /// merely cross.
+    ///
+    /// Points that are near by chance have distances spread evenly up to the tolerance `τ`, with the mean square `τ²/3`: they add
+    /// nothing to `Σ (1 − 3 d²/τ²)`, whereas a point that belongs there adds nearly 1.
+    #[must_use]
+    pub fn excess(&self, tolerance: f64) -> f64 {
+        self.share * (1.0 - 3.0 * (self.rms / tolerance).powi(2))
+    }
+}
+
 /// The candidates of a coarse start, the best first.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]

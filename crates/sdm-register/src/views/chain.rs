@@ -4,10 +4,10 @@ use footpoint::Progress;
 use std::ops::ControlFlow;
 
 use super::{View, ViewsOptions};
-use crate::start::{CoarseStart, OrientedPoints, StartCandidate, StartOptions};
+use crate::start::{CoarseStart, OrientedPoints, StartOptions};
 use crate::{Error, Pose};
 
-/// The least excess of matched points (see [`excess`]) that links two views, as a share of a view.
+/// The least excess of matched points (see [`excess`](crate::start::StartCandidate::excess)) that links two views, as a share of a view.
 const LEAST_EXCESS: f64 = 0.06;
 
 /// Distance up to which points count: small, since parts of smooth shapes fit others roughly in many ways.
@@ -38,9 +38,9 @@ pub(crate) fn initial_poses(
             let best = report
                 .candidates
                 .iter()
-                .max_by(|a, b| excess(a, report.tolerance).total_cmp(&excess(b, report.tolerance)));
-            if let Some(best) = best.filter(|best| excess(best, report.tolerance) >= LEAST_EXCESS) {
-                links.push((excess(best, report.tolerance), [i, j], best.pose));
+                .max_by(|a, b| a.excess(report.tolerance).total_cmp(&b.excess(report.tolerance)));
+            if let Some(best) = best.filter(|best| best.excess(report.tolerance) >= LEAST_EXCESS) {
+                links.push((best.excess(report.tolerance), [i, j], best.pose));
             }
         }
     }
@@ -64,14 +64,6 @@ pub(crate) fn initial_poses(
         }
     }
     Ok(poses.into_iter().map(Option::unwrap_or_default).collect())
-}
-
-/// Share of a view that lies on another one beyond what chance explains.
-///
-/// Points that are near by chance have distances spread evenly up to the tolerance `τ`, with the mean square `τ²/3`: they add
-/// nothing to `Σ (1 − 3 d²/τ²)`, whereas a point that belongs there adds nearly 1.
-fn excess(candidate: &StartCandidate, tolerance: f64) -> f64 {
-    candidate.share * (1.0 - 3.0 * (candidate.rms / tolerance).powi(2))
 }
 
 /// The points of a view, with normals by the plane through neighbours where it has none.
