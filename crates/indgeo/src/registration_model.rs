@@ -121,6 +121,7 @@ impl RegistrationModel {
             shapes: 1,
             non_finite: 0,
             dropped: 0,
+            scans: Vec::new(),
             warnings: Vec::new(),
         };
         Ok((model.map_err(|error| failed(error.into()))?, report))

@@ -31,12 +31,21 @@ AnyPoints = str | os.PathLike | ArrayLike | Cloud | Mesh
 _EXTRA = {"x", "y", "z", "nx", "ny", "nz"}
 
 
-def read(path: str | os.PathLike, *, drop_non_finite: bool = False, decimal_comma: bool = False) -> Cloud | Mesh | Model:
-    """Reads points, triangles, or curves and surfaces, in any format that the command line reads; recognised by content."""
-    options = {"drop_non_finite": drop_non_finite, "decimal_comma": decimal_comma}
+def read(
+    path: str | os.PathLike,
+    *,
+    scan: str | int | None = None,
+    drop_non_finite: bool = False,
+    decimal_comma: bool = False,
+) -> Cloud | Mesh | Model:
+    """Reads points, triangles, or curves and surfaces, in any format that the command line reads; recognised by content.
+
+    scan: name or number of one scan of a file of several (E57, PTX); all together without.
+    """
+    options = {"scan": scan, "drop_non_finite": drop_non_finite, "decimal_comma": decimal_comma}
     info = Call("info")
     info.arguments.append(info._path(path, "path", "a path"))
-    found = info.option("decimal_comma", decimal_comma).run().report["inputs"][0]
+    found = info.options({"scan": scan, "decimal_comma": decimal_comma}).run().report["inputs"][0]
     name = "content.json" if found["shapes"] else "content.ply"
     call = Call("convert")
     call.arguments += [call._path(path, "path", "a path"), call.memory(name)]

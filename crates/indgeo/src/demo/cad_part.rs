@@ -64,6 +64,7 @@ pub(crate) fn run(
         model: &data.part,
         cad: &Choice::default(),
         points: &points,
+        scan: None,
         motion: Motion::None,
         page: Some(&page),
         out: None,
