@@ -7,25 +7,23 @@ use crate::moving::moved;
 use crate::planar_start;
 use crate::poses;
 use crate::progress::Progress;
-use crate::registration_field::{RegistrationField, locks_fit_the_plane};
+use crate::registration_field::{Extent, RegistrationField, locks_fit_the_plane};
 use crate::registration_model::RegistrationModel;
-use crate::registration_report::{self as found, RegistrationResults, StartResult};
+use crate::registration_page::{self, Page};
+use crate::registration_report::{self as found, Checks, RegistrationResults, StartResult};
+use crate::registration_starts::{Tries, Try, register_all, search_space};
 use crate::registration_verdict as verdict;
 use crate::report::{Input, ModelSummary, Output, Report, Results, Timings};
 use crate::wording::{counted, not_finite};
 use industrial_geometry::io::{self, Content, Format, ReadOptions, WriteOptions};
 use industrial_geometry::mesh::nalgebra::Vector3;
-use industrial_geometry::register::start::{OrientedPoints, StartOptions, coarse_start};
-use industrial_geometry::register::{
-    Error as RegisterError, Pose, RegisterOptions, RegisterReport, Rejection, Source, StepRecord,
-};
+use industrial_geometry::register::{Pose, RegisterOptions, RegisterReport};
+use std::io::BufWriter;
 use std::path::Path;
 use std::time::Instant;
 
-/// Share of the points near the model above which the given start is good enough.
-const GOOD_SHARE: f64 = 0.9;
-/// Candidates of a search over all positions from which the registration is run.
-const CANDIDATES: usize = 3;
+/// Places of the model on the page.
+const SHOWN: usize = 4000;
 
 /// Where the registration of a scan, or of many views, starts.
 #[derive(Clone, Copy, Debug)]
@@ -55,6 +53,8 @@ pub(crate) struct Job<'a> {
     pub(crate) format: Option<Format>,
     /// File of the motion.
     pub(crate) transform: Option<&'a Path>,
+    /// File of the page.
+    pub(crate) page: Option<&'a Path>,
     /// Where to start.
     pub(crate) start: Start<'a>,
     /// Options of the library.
@@ -75,11 +75,11 @@ pub(crate) struct Registered {
 }
 
 /// The points as they are registered.
-struct Cloud<'a> {
-    positions: Vec<Vector3<f64>>,
-    normals: Option<&'a [Vector3<f64>]>,
+pub(crate) struct Cloud<'a> {
+    pub(crate) positions: Vec<Vector3<f64>>,
+    pub(crate) normals: Option<&'a [Vector3<f64>]>,
     /// 0 for points that do not count because they have no normal; `None` where all count.
-    weights: Option<Vec<f64>>,
+    pub(crate) weights: Option<Vec<f64>>,
 }
 
 /// Does the job and fills in the report.
@@ -87,7 +87,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Registered, Erro
     let init = if let Start::Poses(file) = job.start { Some(file) } else { None };
     let inputs: Vec<&Path> = [job.model, job.points].into_iter().chain(init).collect();
     files::check_inputs(&inputs)?;
-    for path in [job.out, job.transform].into_iter().flatten() {
+    for path in [job.out, job.transform, job.page].into_iter().flatten() {
         files::check_writable(path, &inputs)?;
     }
     let mut timings = Timings::default();
@@ -151,8 +151,8 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Registered, Erro
     timings.compute = began.elapsed().as_secs_f64();
     drop(progress);
     report.timings = timings;
-    let Solution { starts, best, result, equivalent } = solution;
-    report.warnings.extend(verdict::warning(&result, job));
+    let Solution { starts, best, start, result, equivalent, checks } = solution;
+    report.warnings.extend(verdict::warning(&result, &checks, job));
     if equivalent.len() > 1 {
         report.warnings.push(format!(
             "the model has {} positions that its shape does not tell apart; this is the one nearest to the start, all are in \
@@ -160,11 +160,35 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Registered, Erro
             equivalent.len()
         ));
     }
-    let motion = found::transform(&result, &equivalent);
-    write(job, content, &result.pose, &motion, report)?;
+    let began = if starts[best].origin == "search" { Pose::identity() } else { start };
+    let motion = found::transform(&result, &equivalent, &checks);
+    let results = RegistrationResults::new(motion, starts, best);
+    if let Some(path) = job.page {
+        let name = |path: &Path| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+        let places = model.few_samples().map_or_else(Vec::new, |samples| thinned(samples.points(), SHOWN));
+        let page = Page {
+            model_name: &name(job.model),
+            points_name: &name(job.points),
+            model: &places,
+            points: &cloud.positions,
+            pose: &result.pose,
+            start: &began,
+            field: &field,
+            results: &results,
+        };
+        let bytes = files::write(path, |out| registration_page::write(&mut BufWriter::new(out), &page))?;
+        let content = "page: before and after, residuals, overlap, uncertainty".to_owned();
+        report.add_output(Output { path: path.to_path_buf(), bytes, content });
+    }
+    write(job, content, &result.pose, &results.transform, report)?;
     report.count_points("points", result.dropped, result.used);
-    report.results = Some(Results::Registration(Box::new(RegistrationResults::new(motion, starts, best))));
+    report.results = Some(Results::Registration(Box::new(results)));
     Ok(Registered { pose: result.pose, converged: result.is_converged() })
+}
+
+/// Some points, evenly picked.
+fn thinned(points: &[Vector3<f64>], most: usize) -> Vec<Vector3<f64>> {
+    points.iter().step_by(points.len().div_ceil(most).max(1)).copied().collect()
 }
 
 fn warn(job: &Job<'_>, read: &io::ReadReport, report: &mut Report) {
@@ -216,7 +240,7 @@ fn cloud<'a>(content: &'a Content, job: &Job<'_>, is_planar: bool) -> Result<Clo
     Ok(Cloud { positions, normals, weights })
 }
 
-/// Registers from every start.
+/// Registers from every start: those of which there may be many with some of the points first, and the best with all.
 fn solve(
     job: &Job<'_>,
     model: &RegistrationModel,
@@ -225,121 +249,56 @@ fn solve(
     given: Option<Vec<Pose<3>>>,
     progress: &Progress,
 ) -> Result<Solution, Error> {
-    let (mut starts, mut results) = (Vec::new(), Vec::new());
-    let mut begun = Vec::new();
-    let is_good = |(share, ended_well): (f64, bool)| ended_well && share >= GOOD_SHARE;
-    let mut from = |origin: &'static str, pose: &Pose<3>| -> Result<(f64, bool), Error> {
-        let began = Instant::now();
-        let result = verdict::flat(model, &cloud.positions, register(job, field, cloud, pose, progress)?);
-        let (score, share) = field.compare(&cloud.positions, &result.pose, job.options.scale);
-        starts.push(StartResult::new(origin, pose, &result, score, share, began.elapsed().as_secs_f64()));
-        let ended_well = result.is_converged();
-        results.push(result);
-        begun.push(*pose);
-        Ok((share, ended_well))
-    };
-    let mut search = matches!(job.start, Start::Global);
+    let mut tries = Tries::new(job, model, field, cloud, progress);
     match &given {
         Some(poses) => {
+            let extent = if poses.len() > 1 { Extent::Some } else { Extent::All };
             for pose in poses {
-                from("init", pose)?;
+                tries.add("init", pose, extent)?;
             }
         }
-        None if !search => {
-            let share = from("given", &Pose::identity())?;
-            search = matches!(job.start, Start::Auto)
-                && !is_good(share)
-                && !matches!(model, RegistrationModel::Curves(_));
-        }
-        None => {}
-    }
-    if search {
-        let found = if model.is_planar() {
-            planar_start::poses(field, &cloud.positions, job.options.scale)
-        } else {
-            search_space(job, model, field, cloud, progress)?
-        };
-        for pose in &found {
-            if is_good(from("search", pose)?) {
-                break;
+        None if matches!(job.start, Start::Given) => tries.add("given", &Pose::identity(), Extent::All)?,
+        None => {
+            let has_search = !matches!(model, RegistrationModel::Curves(_));
+            if !matches!(job.start, Start::Global) {
+                tries.add("given", &Pose::identity(), if has_search { Extent::Some } else { Extent::All })?;
+                if tries.last_is_good() {
+                    tries.complete()?;
+                }
+            }
+            let is_done = tries.best().is_some_and(|best| best.is_good() && best.is_complete);
+            if has_search && !is_done || tries.list.is_empty() {
+                let found = if model.is_planar() {
+                    planar_start::poses(field, &cloud.positions, job.options.scale)
+                } else {
+                    search_space(job, model, field, cloud, progress)?
+                };
+                for pose in &found {
+                    tries.add("search", pose, Extent::Some)?;
+                    if tries.last_is_good() {
+                        break;
+                    }
+                }
             }
         }
     }
-    if starts.is_empty() {
+    tries.complete()?;
+    let Some(best) = tries.best_index() else {
         let what = "no position was found in which the points lie on the model";
         return Err(Error::content(job.points, what, "give a starting pose (--init)"));
-    }
-    let best = best(&starts);
-    let (mut result, mut equivalent) = (results.swap_remove(best), Vec::new());
+    };
+    let starts = tries.list.iter().map(Try::summary).collect();
+    let Try { origin, start, result, .. } = tries.list.swap_remove(best);
+    let (mut result, mut equivalent) = (result, Vec::new());
     if verdict::may_be_symmetric(model, &result, &job.options) {
         let tolerance = result.covariance.as_ref().map_or(0.0, |covariance| covariance.sigma);
-        let from = if starts[best].origin == "search" { Pose::identity() } else { begun[best] };
-        let again = |pose: &Pose<3>| register(job, field, cloud, pose, progress);
+        let from = if origin == "search" { Pose::identity() } else { start };
+        let again = |pose: &Pose<3>| register_all(job, field, cloud, pose, progress);
         let group = field.symmetries(&model.samples(job.model)?, tolerance);
         (result, equivalent) = verdict::nearest(&group, result, &from, &cloud.positions, again)?;
     }
-    Ok(Solution { starts, best, result, equivalent })
-}
-
-/// The best of all positions in space.
-fn search_space(
-    job: &Job<'_>,
-    model: &RegistrationModel,
-    field: &RegistrationField,
-    cloud: &Cloud<'_>,
-    progress: &Progress,
-) -> Result<Vec<Pose<3>>, Error> {
-    // The search knows one scale: where it is unknown, that by the sizes.
-    let growth = if job.options.scale { field.relative_size(&cloud.positions) } else { 1.0 };
-    let grown: Vec<Vector3<f64>> = cloud.positions.iter().map(|x| x * growth).collect();
-    let oriented = match cloud.normals {
-        Some(normals) => OrientedPoints::new(&grown, normals),
-        None => OrientedPoints::without_normals(&grown),
-    };
-    let tell = |done: usize, total: usize| progress.part("searching all positions", done, total);
-    let samples = model.samples(job.model)?;
-    let found = oriented.and_then(|points| coarse_start(&samples, &points, &StartOptions::default(), &tell));
-    let found = found
-        .map_err(|error| Error::content(job.points, error.to_string(), "check it with `indgeo info`"))?;
-    let pose = |pose: &Pose<3>| Pose {
-        scale: pose.scale * growth,
-        source_origin: pose.source_origin / growth,
-        ..*pose
-    };
-    Ok(found.candidates.iter().take(CANDIDATES).map(|candidate| pose(&candidate.pose)).collect())
-}
-
-fn register(
-    job: &Job<'_>,
-    field: &RegistrationField,
-    cloud: &Cloud<'_>,
-    start: &Pose<3>,
-    progress: &Progress,
-) -> Result<RegisterReport<3>, Error> {
-    progress.begin();
-    let most = job.options.max_iterations;
-    let tell = |step: &StepRecord| {
-        progress.next_iteration(most, &format!("{}, rms {:.3e}", counted(step.points, "point"), step.rms))
-    };
-    let mut options = job.options;
-    if let Some(angle) = job.max_angle {
-        options.rejection =
-            Rejection { oriented_normals: true, ..options.rejection.with_normal_angle(angle) };
-    }
-    let source =
-        Source { points: &cloud.positions, normals: cloud.normals, weights: cloud.weights.as_deref() };
-    field.register(&source, start, &options, &tell).map_err(|error| match error {
-        RegisterError::Option { name, value, allowed } => {
-            Error::option(name, value, allowed, "see `indgeo register --help`")
-        }
-        other => Error::content(job.points, other.to_string(), "check it with `indgeo info`"),
-    })
-}
-
-/// The start whose result fits best, of those that converged if any did; the first of equals.
-fn best(starts: &[StartResult]) -> usize {
-    let rank = |i: usize| (starts[i].status != "converged", starts[i].score);
-    (1..starts.len()).fold(0, |best, i| if rank(i) < rank(best) { i } else { best })
+    let (result, checks) = verdict::checked(model, field, result, &cloud.positions, cloud.normals);
+    Ok(Solution { starts, best, start, result, equivalent, checks })
 }
 
 /// What came of all starts.
@@ -347,9 +306,12 @@ struct Solution {
     starts: Vec<StartResult>,
     /// The start that counts.
     best: usize,
+    /// Its pose.
+    start: Pose<3>,
     result: RegisterReport<3>,
     /// Poses that the model does not tell apart from the result, which is the first of them; none where they were not looked for.
     equivalent: Vec<Pose<3>>,
+    checks: Checks,
 }
 
 fn write(

@@ -6,14 +6,28 @@ use industrial_geometry::nurbs::Aabb;
 use industrial_geometry::register::start::OrientedPoints;
 use industrial_geometry::register::{
     Covariance, Error, FreeMotion, Locks, Pose, RegisterOptions, RegisterReport, Source, StepRecord,
-    register_with_progress, symmetries,
+    register_some, register_with_progress, symmetries,
 };
 use std::ops::ControlFlow;
 
 /// Distance, as a share of the size of the model, within which a point counts as lying on it when poses are compared.
 const NEAR: f64 = 0.012;
+/// The same within which it may belong there.
+const EXACT: f64 = 0.004;
 /// Points by which poses are compared.
 const COMPARED: usize = 4000;
+
+/// How well a pose fits.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Fit {
+    /// Mean squared distance with a limit, as a share of the limit squared.
+    pub(crate) score: f64,
+    /// Share of the points within the limit.
+    pub(crate) near: f64,
+    /// Share of the points that lie on the model beyond what chance explains: points that merely are near have distances spread
+    /// evenly, and add nothing to it. Between clouds an estimate of the overlap.
+    pub(crate) overlap: f64,
+}
 
 /// The distance from a model.
 pub(crate) enum RegistrationField {
@@ -48,25 +62,27 @@ impl RegistrationField {
         if ratio.is_finite() && ratio > 0.0 { ratio } else { 1.0 }
     }
 
-    /// How well a pose fits: mean squared distance with a limit, as a share of the limit, and the share of the points within.
+    /// How well a pose fits.
     ///
     /// Where the scale is unknown the limit goes by the size of the moved points: in the size of the model, all points of a cloud
     /// that is small enough are near.
-    pub(crate) fn compare(&self, points: &[Vector3<f64>], pose: &Pose<3>, scale: bool) -> (f64, f64) {
+    pub(crate) fn compare(&self, points: &[Vector3<f64>], pose: &Pose<3>, scale: bool) -> Fit {
         let step = points.len().div_ceil(COMPARED).max(1);
         let finite = points.iter().step_by(step).filter(|x| x.iter().all(|c| c.is_finite()));
         let moved: Vec<Vector3<f64>> = finite.map(|x| pose.apply(x)).collect();
         let bounds = Aabb::of_points(&moved).filter(|_| scale);
-        let limit = NEAR * bounds.map_or(self.diagonal(), |bounds| bounds.diagonal());
+        let size = bounds.map_or(self.diagonal(), |bounds| bounds.diagonal());
         let distances = self.distances(&moved);
-        let (mut sum, mut near) = (0.0, 0usize);
+        let (mut sum, mut near, mut overlap) = (0.0, 0usize, 0.0);
         for distance in &distances {
-            let share = (distance / limit).powi(2);
+            let share = (distance / (NEAR * size)).powi(2);
             sum += if share < 1.0 { share } else { 1.0 };
             near += usize::from(share < 1.0);
+            let exact = (distance / (EXACT * size)).powi(2);
+            overlap += if exact < 1.0 { 1.0 - 3.0 * exact } else { 0.0 };
         }
         let count = distances.len().max(1) as f64;
-        (sum / count, near as f64 / count)
+        Fit { score: sum / count, near: near as f64 / count, overlap: (overlap / count).clamp(0.0, 1.0) }
     }
 
     /// The motions that carry a model in space into itself but for a tolerance, the identity first.
@@ -91,32 +107,47 @@ impl RegistrationField {
         }
     }
 
-    /// Registers points; in the plane their z, that of the normals, and what would turn or lift the start out of the plane
-    /// are not looked at.
+    /// Registers points, all or those of them that tell where a start leads (`None` where these are all); in the plane their z, that
+    /// of the normals, and what would turn or lift the start out of the plane are not looked at.
     pub(crate) fn register(
         &self,
         source: &Source<'_, 3>,
         start: &Pose<3>,
         options: &RegisterOptions<3>,
+        extent: Extent,
         progress: &(dyn Fn(&StepRecord) -> ControlFlow<()> + Sync),
-    ) -> Result<RegisterReport<3>, Error> {
+    ) -> Result<Option<RegisterReport<3>>, Error> {
+        fn run<const D: usize>(
+            field: &dyn DistanceField<D>,
+            source: &Source<'_, D>,
+            start: &Pose<D>,
+            options: &RegisterOptions<D>,
+            extent: Extent,
+            progress: &(dyn Fn(&StepRecord) -> ControlFlow<()> + Sync),
+        ) -> Result<Option<RegisterReport<D>>, Error> {
+            match extent {
+                Extent::All => register_with_progress(field, source, start, options, progress).map(Some),
+                Extent::Some => register_some(field, source, start, options, progress),
+            }
+        }
         match self {
-            Self::Space(field) => register_with_progress(field.as_ref(), source, start, options, progress),
+            Self::Space(field) => run(field.as_ref(), source, start, options, extent, progress),
             Self::Plane(field) => {
                 let points: Vec<_> = source.points.iter().map(Vector3::xy).collect();
                 let normals: Option<Vec<_>> = source.normals.map(|all| all.iter().map(Vector3::xy).collect());
                 let source = Source { points: &points, normals: normals.as_deref(), weights: source.weights };
-                let report = register_with_progress(
-                    field.as_ref(),
-                    &source,
-                    &flat(start)?,
-                    &planar(options),
-                    progress,
-                )?;
-                Ok(in_space(report))
+                let report = run(field.as_ref(), &source, &flat(start)?, &planar(options), extent, progress)?;
+                Ok(report.map(in_space))
             }
         }
     }
+}
+
+/// Which points are registered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Extent {
+    All,
+    Some,
 }
 
 /// A pose of the plane out of one of space.

@@ -248,6 +248,25 @@ impl RegistrationModel {
         Err(Error::content(path, what, "leave out --max-angle, or give a model with normals"))
     }
 
+    /// Points with normals, spread over a model that has an area, or stands for one; of a cloud, some of its points.
+    pub(crate) fn few_samples(&self) -> Option<OrientedPoints> {
+        match self {
+            Self::Cloud(cloud) => {
+                let step = cloud.len().div_ceil(SAMPLES).max(1);
+                let points: Vec<_> = cloud.positions().iter().step_by(step).map(|p| p.coords).collect();
+                match cloud.attributes().normals() {
+                    Some(normals) => {
+                        let normals: Vec<_> = normals.iter().step_by(step).copied().collect();
+                        OrientedPoints::new(&points, &normals).ok()
+                    }
+                    None => OrientedPoints::without_normals(&points).ok(),
+                }
+            }
+            Self::Surfaces(_) | Self::Mesh(_) | Self::Cad(_) => self.samples(Path::new("")).ok(),
+            Self::Plane(_) | Self::PlanarCloud(_) | Self::Curves(_) => None,
+        }
+    }
+
     /// Points with normals, spread over the model.
     pub(crate) fn samples(&self, path: &Path) -> Result<OrientedPoints, Error> {
         match self {

@@ -1,7 +1,10 @@
 //! What a registration found, for machines.
 
 use crate::inspecting::InspectionResults;
-use industrial_geometry::register::{Covariance, Pose, RegisterReport, StepRecord, Support};
+use crate::registration_field::Fit;
+use industrial_geometry::register::{
+    Covariance, Coverage, FreeSpace, Pose, RegisterReport, StepRecord, Support,
+};
 use serde::Serialize;
 
 /// A motion with all that is known about it: the content of a transform file.
@@ -35,11 +38,32 @@ pub(crate) struct TransformFile {
     pub(crate) free_motions: Vec<String>,
     /// What the points that count say about the pose.
     pub(crate) support: Support,
+    /// How much of what the scan could see of the model has points; none where that is not known.
+    pub(crate) coverage: Option<Coverage>,
+    /// What the rays of the model's scan, and of that of the points, say about the other; none where their viewpoints are not known.
+    pub(crate) free_space: Vec<FreeSpaceResult>,
     /// Every pose that the model does not tell apart from this one because of its symmetries, this one first; none where they were
     /// not looked for.
     pub(crate) equivalent_poses: Vec<[[f64; 4]; 4]>,
     /// Every step.
     pub(crate) history: Vec<StepRecord>,
+}
+
+/// What the rays of a scan say about the other one.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct FreeSpaceResult {
+    /// Whose rays: `model` or `points`.
+    pub(crate) scan: &'static str,
+    /// What they say.
+    #[serde(flatten)]
+    pub(crate) found: FreeSpace,
+}
+
+/// What was found out about the end of a registration.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Checks {
+    pub(crate) coverage: Option<Coverage>,
+    pub(crate) free_space: Vec<FreeSpaceResult>,
 }
 
 /// A rotation.
@@ -62,7 +86,11 @@ impl Rotation {
 }
 
 /// The content of the transform file of a result, with the poses that are equivalent to it.
-pub(crate) fn transform(result: &RegisterReport<3>, equivalent: &[Pose<3>]) -> TransformFile {
+pub(crate) fn transform(
+    result: &RegisterReport<3>,
+    equivalent: &[Pose<3>],
+    checks: &Checks,
+) -> TransformFile {
     let pose = &result.pose;
     TransformFile {
         matrix: pose.to_row_major(),
@@ -80,6 +108,8 @@ pub(crate) fn transform(result: &RegisterReport<3>, equivalent: &[Pose<3>]) -> T
         covariance: result.covariance.clone(),
         free_motions: result.free_motions.iter().map(ToString::to_string).collect(),
         support: result.support,
+        coverage: checks.coverage,
+        free_space: checks.free_space.clone(),
         equivalent_poses: equivalent.iter().map(Pose::<3>::to_row_major).collect(),
         history: result.history.clone(),
     }
@@ -105,6 +135,10 @@ pub(crate) struct StartResult {
     pub(crate) score: f64,
     /// Share of the points within that limit.
     pub(crate) share_near: f64,
+    /// Share of the points that lie on the model beyond what chance explains; by this registrations of clouds to clouds are compared.
+    pub(crate) overlap: f64,
+    /// Number of points that were registered: of a start that leads nowhere, some of them.
+    pub(crate) points: usize,
     /// Seconds it took.
     pub(crate) seconds: f64,
 }
@@ -115,8 +149,7 @@ impl StartResult {
         origin: &'static str,
         start: &Pose<3>,
         result: &RegisterReport<3>,
-        score: f64,
-        share_near: f64,
+        fit: &Fit,
         seconds: f64,
     ) -> Self {
         Self {
@@ -126,8 +159,10 @@ impl StartResult {
             status: result.status.name(),
             iterations: result.iterations,
             rms: result.rms,
-            score,
-            share_near,
+            score: fit.score,
+            share_near: fit.near,
+            overlap: fit.overlap,
+            points: result.points,
             seconds,
         }
     }

@@ -2,9 +2,16 @@
 
 use crate::error::Error;
 use crate::registering::Job;
+use crate::registration_field::RegistrationField;
 use crate::registration_model::RegistrationModel;
+use crate::registration_report::{Checks, FreeSpaceResult};
 use industrial_geometry::mesh::nalgebra::Vector3;
-use industrial_geometry::register::{Doubt, Pose, RegisterOptions, RegisterReport, Status, Support, is_flat};
+use industrial_geometry::register::{
+    Coverage, Doubt, FreeSpace, Pose, RegisterOptions, RegisterReport, Status, Support, Viewpoint, is_flat,
+};
+
+/// How far points float in front of a scan that contradict it, as a share of the size of the model.
+const FLOATING: f64 = 0.02;
 
 /// The result, unless cloud and model both are clouds in a plane: then nothing fixes the motions in it.
 pub(crate) fn flat(
@@ -22,7 +29,7 @@ pub(crate) fn flat(
 }
 
 /// What is to be said about a result.
-pub(crate) fn warning(result: &RegisterReport<3>, job: &Job<'_>) -> Option<String> {
+pub(crate) fn warning(result: &RegisterReport<3>, checks: &Checks, job: &Job<'_>) -> Option<String> {
     let (points, model) = (job.points.display(), job.model.display());
     let support = &result.support;
     if result.status == Status::Underdetermined {
@@ -48,6 +55,22 @@ pub(crate) fn warning(result: &RegisterReport<3>, job: &Job<'_>) -> Option<Strin
             ));
         }
         None => return None,
+        Some(Doubt::Bare) => {
+            let covered = checks.coverage.map_or_else(String::new, |coverage| format!(", {coverage}"));
+            return Some(format!(
+                "the pose is not to be trusted ({support}{covered}): the points are of something else that touches the model, or in \
+                 another place: give a start (--init), or choose --start global"
+            ));
+        }
+        Some(Doubt::FreeSpace) => {
+            let found: Vec<String> =
+                checks.free_space.iter().map(|one| format!("of the {}: {}", one.scan, one.found)).collect();
+            return Some(format!(
+                "the pose is not to be trusted ({support}; {}): what one scan saw through cannot be where the other one has points: \
+                 give another start (--init), or choose --start global",
+                found.join("; ")
+            ));
+        }
         Some(Doubt::FewPoints) => {
             "hardly any points lie on the model: check that both are of the same part and in the same unit (--scale), give a start \
              (--init), or choose --start global"
@@ -74,6 +97,53 @@ pub(crate) fn warning(result: &RegisterReport<3>, job: &Job<'_>) -> Option<Strin
 fn held_back(support: &Support) -> bool {
     let released = support.unlocked_rms.is_some_and(|rms| rms < 0.7 * support.relative_rms);
     support.exceeds_noise() && released
+}
+
+/// The result with what model and points say about it besides: how much of the model has points, and, of scans on scans whose normals
+/// tell from where they were seen, whether one floats in front of the other. A pose that is contradicted is doubtful.
+pub(crate) fn checked(
+    model: &RegistrationModel,
+    field: &RegistrationField,
+    result: RegisterReport<3>,
+    points: &[Vector3<f64>],
+    normals: Option<&[Vector3<f64>]>,
+) -> (RegisterReport<3>, Checks) {
+    let mut checks = Checks::default();
+    let RegistrationField::Space(field) = field else { return (result, checks) };
+    if !result.pose.is_finite() || result.status == Status::Cancelled {
+        return (result, checks);
+    }
+    checks.coverage = model
+        .few_samples()
+        .and_then(|samples| Coverage::of(field.as_ref(), &samples, points, &result.pose, result.limit));
+    if let RegistrationModel::Cloud(cloud) = model {
+        let positions: Vec<Vector3<f64>> = cloud.positions().iter().map(|point| point.coords).collect();
+        let margin = FLOATING * field.bounding_box().diagonal();
+        let back = result.pose.inverse();
+        let (moved, there): (Vec<_>, Vec<_>) = (
+            points.iter().map(|x| result.pose.apply(x)).collect(),
+            positions.iter().map(|x| back.apply(x)).collect(),
+        );
+        let sides = [
+            ("model", cloud.attributes().normals(), positions.as_slice(), moved.as_slice(), margin),
+            ("points", normals, points, there.as_slice(), margin * back.scale),
+        ];
+        for (scan, normals, own, others, margin) in sides {
+            let found = normals
+                .and_then(Viewpoint::of_normals)
+                .and_then(|viewpoint| FreeSpace::of(own, &viewpoint, others, margin));
+            checks.free_space.extend(found.map(|found| FreeSpaceResult { scan, found }));
+        }
+    }
+    let floats = checks.free_space.iter().find_map(|one| one.found.doubt());
+    let bare = checks.coverage.and_then(|coverage| coverage.doubt(result.support.share));
+    match floats.or(bare).filter(|_| result.status == Status::Converged) {
+        Some(doubt) => {
+            let support = Support { doubt: Some(doubt), ..result.support };
+            (RegisterReport { status: doubt.status(), support, ..result }, checks)
+        }
+        None => (result, checks),
+    }
 }
 
 /// Whether it makes sense to look for poses that the model does not tell apart.

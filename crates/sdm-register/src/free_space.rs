@@ -21,6 +21,8 @@ const MEASURED: usize = 1000;
 /// Floating points, and their share of those on rays, that contradict a pose; fewer may be outliers.
 const FLOATING: usize = 30;
 const CONTRADICTION: f64 = 0.1;
+/// Floating points over those that lie where the rays ended from which they are no outliers.
+const PREVAILING: f64 = 0.75;
 
 /// From where a scan was seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,6 +55,8 @@ impl Viewpoint {
 pub struct FreeSpace {
     /// Points that lie on rays of the scan.
     pub tested: usize,
+    /// Those of them that lie where the rays ended, within the margin.
+    pub meeting: usize,
     /// Those of them that float in front of what the rays met.
     pub floating: usize,
     /// Median of their distances in front of it; 0 where none floats.
@@ -88,22 +92,29 @@ impl FreeSpace {
             let near = index.nearest_n(&end, RAYS);
             let beside = near.last().is_none_or(|last| last.distance() > BESIDE * spacing);
             // Depths grow away from the scanner: all rays around the point have to go on behind it.
-            let ahead = near.iter().map(|ray| rays[ray.index].1 - depth).fold(f64::INFINITY, f64::min);
-            (!beside).then_some(ahead)
+            let ahead = near.iter().map(|ray| rays[ray.index].1 - depth);
+            let [least, nearest] = ahead.fold([f64::INFINITY; 2], |[least, nearest], ahead| {
+                [least.min(ahead), nearest.min(ahead.abs())]
+            });
+            (!beside).then_some([least, nearest])
         });
-        let ahead: Vec<f64> = found.into_iter().flatten().collect();
+        let found: Vec<[f64; 2]> = found.into_iter().flatten().collect();
+        let ahead: Vec<f64> = found.iter().map(|one| one[0]).collect();
         let mut floating: Vec<f64> = ahead.iter().copied().filter(|ahead| *ahead > margin).collect();
         Some(Self {
             tested: ahead.len(),
+            meeting: found.iter().filter(|one| one[1] <= margin).count(),
             floating: floating.len(),
             depth: median(&mut floating).unwrap_or(0.0),
         })
     }
 
-    /// Whether so many points float that the pose contradicts the scan: a tenth of those on its rays, and at least 30.
+    /// Whether so many points float that the pose contradicts the scan: a tenth of those on its rays, at least 30, and three quarters of
+    /// those that lie where the rays ended. Outliers float as well, but where the pose is right they are the smaller part.
     #[must_use]
     pub fn doubt(&self) -> Option<Doubt> {
-        (self.floating >= FLOATING && self.share() > CONTRADICTION).then_some(Doubt::FreeSpace)
+        let prevails = self.floating as f64 > PREVAILING * self.meeting as f64;
+        (self.floating >= FLOATING && self.share() > CONTRADICTION && prevails).then_some(Doubt::FreeSpace)
     }
 
     /// Share of the points on rays that float.
@@ -165,7 +176,13 @@ mod tests {
             for z in [-5.0, 0.0, 0.5] {
                 let other = FreeSpace::of(&wall(0.0), &viewpoint, &wall(z), 1.0).unwrap();
                 assert_eq!(other.floating, 0, "{z}: {other}");
+                assert_eq!(other.meeting > 0, z.abs() < 1.0, "{z}: {other}");
             }
+            assert!(in_front.doubt().is_some());
+            // A third of the points are outliers in front of the wall.
+            let mixed: Vec<_> = wall(0.0).into_iter().chain(wall(5.0).into_iter().step_by(2)).collect();
+            let outliers = FreeSpace::of(&wall(0.0), &viewpoint, &mixed, 1.0).unwrap();
+            assert!(outliers.share() > 0.2 && outliers.doubt().is_none(), "{outliers}");
         }
         // Beside the wall there are no rays.
         let aside: Vec<_> = wall(5.0).iter().map(|x| x + Vector3::x() * 100.0).collect();

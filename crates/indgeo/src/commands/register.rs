@@ -82,8 +82,8 @@ pub(crate) struct Args {
     /// Allowed deviation to both sides, for --inspect
     #[arg(long, short, value_name = "T", value_parser = numbers::length, requires = "inspect")]
     tolerance: Option<f64>,
-    /// Write the page of the inspection (HTML), for --inspect
-    #[arg(long, value_name = "FILE", requires = "inspect")]
+    /// Write a page (HTML): before and after, residuals, overlap and the uncertainty of the pose; with --inspect that of the inspection
+    #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
 }
 
@@ -185,6 +185,7 @@ Examples:
   indgeo register part.stl scan.ply -o moved.ply --transform pose.json
   indgeo register part.json scan.ply -o moved.ply --init start.json --lock z
   indgeo register part.json scan.ply --transform pose.json --outliers trimmed --overlap 0.6
+  indgeo register part.json scan.ply --report registration.html
   indgeo register part.json scan.ply --inspect --tolerance 0.05 --report report.html
   indgeo inspect part.json scan.ply --transform pose.json --lower -0.1 --upper 0.3";
 
@@ -241,10 +242,11 @@ impl Args {
 
 /// Runs the command.
 pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<Outcome, Error> {
-    if args.out.is_none() && args.transform.is_none() && common.json.is_none() && !args.inspect {
+    let writes = [&args.out, &args.transform, &args.report, &common.json].into_iter().any(Option::is_some);
+    if !writes && !args.inspect {
         return Err(Error::usage(
             "nothing would be written",
-            "add -o MOVED, --transform T.json, --json FILE or --inspect",
+            "add -o MOVED, --transform T.json, --report FILE, --json FILE or --inspect",
         ));
     }
     if args.inspect && [&args.model, &args.points].into_iter().any(|path| files::is_stream(path)) {
@@ -269,6 +271,7 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         out: args.out.as_deref(),
         format: args.format,
         transform: args.transform.as_deref(),
+        page: args.report.as_deref().filter(|_| !args.inspect),
         start,
         options,
         max_angle: args.max_angle.filter(|angle| *angle < 180.0).map(f64::to_radians),

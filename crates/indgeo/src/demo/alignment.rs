@@ -88,6 +88,7 @@ pub(crate) fn run(
         out: Some(&files.registered),
         format: None,
         transform: Some(&files.pose),
+        page: None,
         start: Start::Given,
         options: RegisterOptions::default(),
         max_angle: None,

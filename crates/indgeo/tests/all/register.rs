@@ -218,10 +218,32 @@ fn the_moved_points_can_be_judged_at_once() {
     assert_eq!(run.code, 1, "{}", run.stderr);
     let report = json(&bench, "report.json");
     assert!(report["status"] == "out_of_tolerance" && report["results"]["status"] == "converged", "{report}");
-    for (arguments, message) in
-        [("--inspect", "--tolerance"), ("-t 0.1", "--inspect"), ("--report a.html", "--inspect")]
-    {
+    for (arguments, message) in [("--inspect", "--tolerance"), ("-t 0.1", "--inspect")] {
         let run = bench.run(&format!("register {model} {case}/source.ply -o a.ply {arguments}"));
         assert!(run.code == 2 && run.stderr.contains(message), "{arguments}: {}", run.stderr);
     }
+}
+
+#[test]
+fn the_page_shows_before_and_after_and_what_the_pose_is_worth() {
+    let bench = Bench::new();
+    let (model, case) = (fixture("register-cases/cad.json"), fixture("register-cases/cad_noise1e-3"));
+    let command =
+        format!("register {model} {case}/source.ply --start global --report page.html --json report.json");
+    let run = bench.run(&command);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let page = bench.text("page.html");
+    assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>\n"));
+    // Three views before and three after, eight corners in each of the latter, and nothing that is no number.
+    assert_eq!((page.matches("<svg ").count(), page.matches("<ellipse ").count()), (6, 24));
+    assert!(!page.contains("NaN") && !page.contains("inf") && page.contains("CONVERGED"));
+    let start = page.find("<script type=\"application/json\" id=\"report\">").unwrap();
+    let json_text = page[start..].split_once('>').unwrap().1.split_once("</script>").unwrap().0;
+    let embedded: Value = serde_json::from_str(json_text).unwrap();
+    let report = json(&bench, "report.json");
+    assert_eq!(embedded["matrix"], report["results"]["matrix"]);
+    // The whole surface was scanned, from one side.
+    let coverage = &report["results"]["coverage"];
+    assert!(coverage["covered"].as_f64().unwrap() > 0.95, "{coverage}");
+    assert_eq!(report["results"]["free_space"], Value::Array(Vec::new()));
 }

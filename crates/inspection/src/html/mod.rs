@@ -11,10 +11,11 @@ mod text;
 use crate::{Backdrop, DeviationRecord, Inspection, Rounding, percent, percent_in_full};
 use nalgebra::Point3;
 use std::io::{self, Write};
-use text::{escape, json_in_script, number};
+pub use text::{escape, json_in_script, number};
 
 const TEMPLATE: &str = include_str!("../../assets/report.html");
-const CSS: &str = include_str!("../../assets/report.css");
+/// The style of the page, for other pages of the project.
+pub const CSS: &str = include_str!("../../assets/report.css");
 const SCRIPT: &str = include_str!("../../assets/report.js");
 const THREE: &str = include_str!("../../assets/three.min.js");
 

