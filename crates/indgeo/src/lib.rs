@@ -60,6 +60,7 @@ mod registration_field;
 mod registration_model;
 mod registration_page;
 mod registration_report;
+mod registration_starts;
 mod registration_verdict;
 mod report;
 mod selftest;
