@@ -256,8 +256,8 @@ impl CurveReport {
         }
         if coverage.unresolved && coverage.points_far == 0 {
             return Some(format!(
-                "the points are {:.4e} (rms) from the curve, more than noise ({:.4e}) and their spacing ({:.4e}) explain, and neighbours on the same \
-                 side of it: it does not follow them",
+                "the points are {:.4e} (rms) from the curve, more than noise ({:.4e}) and their spacing ({:.4e}) explain: it does not follow \
+                 them",
                 self.rms, coverage.noise, coverage.spacing
             ));
         }
