@@ -89,7 +89,7 @@ fn a_square_is_fitted_along_its_sides() {
 }
 
 #[test]
-fn parts_without_data_are_told() {
+fn surfaces_end_where_their_points_do_or_say_so() {
     let bench = Bench::new();
     // An L: a quarter of the square is without points.
     bench.put(

@@ -35,10 +35,10 @@ const TURN: f64 = 2.2;
 const ROW: [f64; 4] = [1.2, 1.4, 1.55, 1.7];
 /// And than even ones.
 const EVEN: f64 = 1.5;
-/// Root mean square distance in spacings, and in units of the noise, beyond which the points are not on the curve, if neighbours are off alike: their mean
-/// squared difference in units of twice the mean square, 1 for noise.
+/// Root mean square distance in spacings, and in units of the noise, beyond which the points are not on the curve; less if neighbours are off alike: their
+/// mean squared difference in units of twice the mean square, 1 for noise.
 const LOOSE: f64 = 0.25;
-const NOISY: f64 = 1.5;
+const NOISY: [f64; 2] = [2.0, 1.5];
 const ALIKE: f64 = 0.6;
 /// Share of the length below which gaps are repetitions of points.
 const REPEATED: f64 = 1e-12;
@@ -289,13 +289,13 @@ fn noise<const D: usize>(stops: &[Stop<D>]) -> f64 {
     quantile_in_place(&mut sizes, 0.5) / (6f64.sqrt() * unit)
 }
 
-/// Whether the points are further from the curve than a distance, noise and a share of the spacing explain, and neighbours on the same side of it: it does
-/// not follow them.
+/// Whether the points are further from the curve than a distance, noise and a share of the spacing explain: it does not follow them.
 fn is_loose<const D: usize>(stops: &[Stop<D>], found: &CurveCoverage, distance: f64) -> bool {
     let squares: f64 = stops.iter().map(|s| s.residual.norm_squared()).sum();
     let rms = (squares / stops.len() as f64).sqrt();
     let changes: f64 = stops.windows(2).map(|s| (s[1].residual - s[0].residual).norm_squared()).sum();
-    rms > distance.max(LOOSE * found.spacing).max(NOISY * found.noise) && changes < ALIKE * 2.0 * squares
+    let alike = changes < ALIKE * 2.0 * squares;
+    rms > distance.max(LOOSE * found.spacing).max(NOISY[usize::from(alike)] * found.noise)
 }
 
 /// Number of points that lie to one side of the curve together with their neighbours, further than noise explains.

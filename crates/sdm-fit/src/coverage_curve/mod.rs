@@ -46,8 +46,7 @@ pub struct CurveCoverage {
     pub distance_limit: f64,
     /// Number of points that are further away.
     pub points_far: usize,
-    /// Whether the points are further from the curve than noise and a share of their spacing explain, and neighbours on the same side of it: it does not
-    /// follow them.
+    /// Whether the points are further from the curve than noise and a share of their spacing explain: it does not follow them.
     pub unresolved: bool,
     /// Whether the points spread so widely about the curve that they do not lie on a curve.
     pub spread_out: bool,

@@ -48,6 +48,12 @@ impl<const D: usize> Attempt<D> {
             && self.crossings == 0
     }
 
+    /// The fit, and how often it crosses itself though its path does not; a search has no path.
+    fn told(self, options: &CurveOptions) -> (CurveFit<D>, usize) {
+        let crosses = self.layout.crossings() == 0 && !self.layout.lost && !options.search;
+        (self.fit, if crosses { self.crossings } else { 0 })
+    }
+
     /// The Bayesian information criterion, by the median so that outliers do not matter.
     fn criterion(&self) -> f64 {
         let mut distances: Vec<f64> =
@@ -80,32 +86,33 @@ pub(super) fn from_cloud<const D: usize>(
     options: &CurveOptions,
     progress: Progress<'_>,
 ) -> Result<CurveFit<D>, Error> {
-    let mut fit = best_of(cloud, distinct, options, progress)?;
-    // What the points leave open is not claimed.
+    let (mut fit, loops) = best_of(cloud, distinct, options, progress)?;
+    // What the points leave open is not claimed, and neither is what the path through them contradicts.
     fit.report.open_ends = near_ends(&fit.curve, &fit.report);
-    fit.report.covered &= fit.report.open_ends.is_none();
+    fit.report.loops = loops;
+    fit.report.covered &= fit.report.open_ends.is_none() && loops == 0;
     Ok(fit)
 }
 
-/// The better one of the fits along the shortest path and along one that goes straight on.
+/// The better one of the fits along the shortest path and along one that goes straight on, and how often it crosses itself though its path does not.
 fn best_of<const D: usize>(
     cloud: &Cloud<'_, D>,
     distinct: usize,
     options: &CurveOptions,
     progress: Progress<'_>,
-) -> Result<CurveFit<D>, Error> {
+) -> Result<(CurveFit<D>, usize), Error> {
     let first = attempt(cloud, Layout::shortest(cloud.local, options)?, distinct, options, progress)?;
     if first.is_sound() || options.search || first.fit.report.status == Status::Cancelled {
-        return Ok(first.fit);
+        return Ok(first.told(options));
     }
     let layout = match Layout::straight(cloud.local, options) {
         Ok(layout) => layout,
         // What holds is one curve.
-        Err(Error::SeveralParts { .. }) if first.fit.report.covered => return Ok(first.fit),
+        Err(Error::SeveralParts { .. }) if first.fit.report.covered => return Ok(first.told(options)),
         Err(error) => return Err(error),
     };
     if layout.is_along(&first.layout) {
-        return Ok(first.fit);
+        return Ok(first.told(options));
     }
     let second = attempt(cloud, layout, distinct, options, progress)?;
     let cancelled = second.fit.report.status == Status::Cancelled;
@@ -118,7 +125,7 @@ fn best_of<const D: usize>(
     if cancelled {
         report.status = Status::Cancelled;
     }
-    Ok(best.fit)
+    Ok(best.told(options))
 }
 
 /// The fit along a path.

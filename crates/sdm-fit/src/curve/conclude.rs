@@ -120,6 +120,7 @@ impl<const D: usize> Work<'_, D> {
             share_within: tolerance.map(|limit| within(limit) / judged.len().max(1) as f64),
             reached,
             open_ends: None,
+            loops: 0,
             covered: coverage.holds(),
             coverage,
             lambda: state.report.lambda,

@@ -112,7 +112,10 @@ pub struct CurveReport {
     /// The gap between the ends of an open curve, if it is no wider than gaps between neighbours may be: whether the curve is closed is then left
     /// open by the points, and must be told. `None` where that was asked for.
     pub open_ends: Option<f64>,
-    /// Whether every part of the curve is near to points, every point that counts near to the curve, and whether it is closed no question.
+    /// How often the curve crosses itself though the path through the points, by which it was found, does not.
+    pub loops: usize,
+    /// Whether every part of the curve is near to points, every point that counts near to the curve, whether it is closed no question, and there are no
+    /// loops.
     pub covered: bool,
     /// Factor of the energy at the end.
     pub lambda: f64,
@@ -150,6 +153,7 @@ impl Default for CurveReport {
             reached: None,
             coverage: CurveCoverage::default(),
             open_ends: None,
+            loops: 0,
             covered: true,
             lambda: 0.0,
             iterations: 0,
@@ -200,6 +204,7 @@ impl CurveReport {
             share_within: tolerance.map(|_| mean(|r| r.share_within.unwrap_or(0.0))),
             reached,
             open_ends: reports.iter().find_map(|r| r.open_ends),
+            loops: sum(|r| r.loops),
             covered: reports.iter().all(|r| r.covered),
             coverage: CurveCoverage::together(&reports.iter().map(|r| &r.coverage).collect::<Vec<_>>()),
             lambda: worst.lambda,
@@ -251,9 +256,15 @@ impl CurveReport {
         }
         if coverage.unresolved && coverage.points_far == 0 {
             return Some(format!(
-                "the points are {:.4e} (rms) from the curve, more than noise ({:.4e}) and their spacing ({:.4e}) explain, and neighbours on the same \
-                 side of it: it does not follow them",
+                "the points are {:.4e} (rms) from the curve, more than noise ({:.4e}) and their spacing ({:.4e}) explain: it does not follow \
+                 them",
                 self.rms, coverage.noise, coverage.spacing
+            ));
+        }
+        if self.loops > 0 && coverage.holds() {
+            return Some(format!(
+                "the curve crosses itself {} times, the path through the points does not",
+                self.loops
             ));
         }
         if let Some(gap) = self.open_ends.filter(|_| coverage.holds()) {

@@ -13,6 +13,8 @@ pub(crate) struct Surface {
     degrees: [usize; 2],
     knots: [Vec<f64>; 2],
     pub(crate) net: Vec<Vec<[f64; 4]>>,
+    /// Loops in the parameters that bound it; none for the whole surface.
+    trim: Vec<Vec<[f64; 2]>>,
 }
 
 impl Surface {
@@ -34,6 +36,7 @@ impl Surface {
                 .map(|key| usize::try_from(json[key].as_u64().unwrap()).unwrap()),
             knots: [numbers(&json["knots_u"]), numbers(&json["knots_v"])],
             net: net.iter().enumerate().map(point).collect(),
+            trim: serde_json::from_value::<Option<_>>(json["trim"].clone()).unwrap().unwrap_or_default(),
         }
     }
 
@@ -52,24 +55,40 @@ impl Surface {
         d[degree]
     }
 
-    /// The point at shares of the domain.
-    pub(crate) fn at(&self, shares: [f64; 2]) -> P {
-        let [u, v] = [0, 1].map(|d| {
+    /// The parameters at shares of the domain.
+    fn parameters(&self, shares: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|d| {
             let (p, k) = (self.degrees[d], &self.knots[d]);
             let (a, b) = (k[p], k[k.len() - 1 - p]);
             a + (b - a) * shares[d].clamp(0.0, 1.0 - 1e-12)
+        })
+    }
+
+    /// Whether shares of the domain lie in what loops bound: an odd number of their edges is to the right.
+    fn has(&self, shares: [f64; 2]) -> bool {
+        let [u, v] = self.parameters(shares);
+        let edges = self.trim.iter().flat_map(|l| l.iter().zip(l.iter().cycle().skip(1)));
+        let right = edges.filter(|(a, b)| {
+            (a[1] > v) != (b[1] > v) && u < a[0] + (v - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
         });
+        self.trim.is_empty() || right.count() % 2 == 1
+    }
+
+    /// The point at shares of the domain.
+    pub(crate) fn at(&self, shares: [f64; 2]) -> P {
+        let [u, v] = self.parameters(shares);
         let row: Vec<[f64; 4]> =
             self.net.iter().map(|row| Self::de_boor(self.degrees[1], &self.knots[1], row, v)).collect();
         let h = Self::de_boor(self.degrees[0], &self.knots[0], &row, u);
         [h[0] / h[3], h[1] / h[3], h[2] / h[3]]
     }
 
-    /// Largest distance of the surface from a shape, of samples all over it, the edges included.
+    /// Largest distance of the surface, as far as its loops go, from a shape, of samples all over it, the edges included.
     pub(crate) fn farthest(&self, distance: impl Fn(P) -> f64) -> f64 {
         let n = 120;
-        let at = |k: usize| self.at([(k / (n + 1)) as f64 / n as f64, (k % (n + 1)) as f64 / n as f64]);
-        (0..(n + 1) * (n + 1)).map(at).map(distance).fold(0.0, f64::max)
+        let shares = |k: usize| [(k / (n + 1)) as f64 / n as f64, (k % (n + 1)) as f64 / n as f64];
+        let places = (0..(n + 1) * (n + 1)).map(shares).filter(|s| self.has(*s));
+        places.map(|s| self.at(s)).map(distance).fold(0.0, f64::max)
     }
 }
 
