@@ -1,5 +1,5 @@
 //! Industrial Geometry on the command line: `indgeo project | inspect | align | register | register-views | fit-curve | parameterize |
-//! fit-surface | fit-ruled | fit-subdivision | field | geodesic | morphology | convert | info | demo | selftest`.
+//! fit-surface | fit-ruled | fit-subdivision | field | geodesic | morphology | segment | convert | info | demo | selftest`.
 
 mod aligning;
 mod alignment_summary;
@@ -41,6 +41,7 @@ mod registration_model;
 mod registration_report;
 mod registration_verdict;
 mod report;
+mod segmenting;
 mod selftest;
 mod session;
 mod staging;

@@ -199,7 +199,8 @@ pub(crate) fn split(cloud: &Cloud<'_>, regions: &mut Vec<Region>, labels: &mut [
         let new = if members.len() >= fewest {
             let id = as_index(regions.len());
             let old: &Region = &regions[*label as usize];
-            let copy = Region { points: members.clone(), carrier: old.carrier, sweep: old.sweep, rms: old.rms };
+            let copy =
+                Region { points: members.clone(), carrier: old.carrier, sweep: old.sweep, rms: old.rms };
             regions.push(copy);
             id
         } else {

@@ -56,17 +56,13 @@ impl Graph {
             .map(|i| {
                 let row = &table[i * width..(i + 1) * width];
                 let k = row.len().min(8);
-                let far = row.get(k.wrapping_sub(1)).map_or(0.0, |&j| (points[j as usize] - points[i]).norm());
+                let far =
+                    row.get(k.wrapping_sub(1)).map_or(0.0, |&j| (points[j as usize] - points[i]).norm());
                 far * (std::f64::consts::PI / k.max(1) as f64).sqrt()
             })
             .collect();
         let (starts, ends) = both_ways(&table, width, points);
         Ok(Self { table, width, starts, ends, spacing })
-    }
-
-    /// Number of points.
-    pub(crate) fn len(&self) -> usize {
-        self.spacing.len()
     }
 
     /// All kept neighbours of a point, nearest first.

@@ -43,7 +43,9 @@ pub(crate) fn gather(cloud: &Cloud<'_>, regions: &mut Vec<Region>, labels: &mut 
                 }
                 let agrees = cloud.jets.jets[i].as_ref().is_some_and(|jet| {
                     let (d, n, away) = jet.at(&cloud.points[j]);
-                    away < 1.5 && d.abs() < 4.0 * cloud.sigma && n.dot(&cloud.jets.normals[j].normal).abs() > 0.94
+                    away < 1.5
+                        && d.abs() < 4.0 * cloud.sigma
+                        && n.dot(&cloud.jets.normals[j].normal).abs() > 0.94
                 });
                 if agrees {
                     seen[j] = true;
@@ -82,7 +84,8 @@ pub(crate) fn join(cloud: &Cloud<'_>, regions: &mut Vec<Region>, labels: &mut [u
         }
         k
     }
-    let mut borders: std::collections::BTreeMap<(u32, u32), Vec<(u32, u32)>> = std::collections::BTreeMap::new();
+    let mut borders: std::collections::BTreeMap<(u32, u32), Vec<(u32, u32)>> =
+        std::collections::BTreeMap::new();
     for i in 0..labels.len() {
         for &j in cloud.graph.around(i) {
             let (a, b) = (labels[i], labels[j as usize]);
