@@ -9,6 +9,7 @@ use crate::assign::compact;
 use crate::carrier::Carrier;
 use crate::graph::as_index;
 use crate::grow::{Cloud, NONE, Region};
+use crate::jets::{CLEAN, Jet};
 use crate::merge::adjacency;
 use crate::sweep::decide_sweep;
 
@@ -69,7 +70,11 @@ pub(crate) fn gather(cloud: &Cloud<'_>, regions: &mut Vec<Region>, labels: &mut 
 fn normal_at(cloud: &Cloud<'_>, region: &Region, own: usize, x: &Point3<f64>) -> Option<Vector3<f64>> {
     match &region.carrier {
         Some(carrier) => Some(carrier.at(x).1),
-        None => cloud.jets.jets[own].as_ref().map(|jet| jet.at(x).1),
+        // Quadrics that reach over an edge make it smooth.
+        None => {
+            let clean = |jet: &&Jet| jet.residual < CLEAN * cloud.sigma;
+            cloud.jets.jets[own].as_ref().filter(clean).map(|jet| jet.at(x).1)
+        }
     }
 }
 
@@ -184,7 +189,9 @@ fn is_smooth(cloud: &Cloud<'_>, one: &Region, other: &Region, links: &[(u32, u32
         sum += nearest;
         count += 1.0;
     }
-    let width = 2.0 * sum / f64::max(count, 1.0);
+    // A piece of few rows may be part of a wider strip.
+    let least = 4.0 * cloud.graph.spacing[small.points[small.points.len() / 2] as usize];
+    let width = f64::max(2.0 * sum / f64::max(count, 1.0), least);
     edge < EDGE && jump * width < BEND
 }
 

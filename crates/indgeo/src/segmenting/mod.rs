@@ -16,7 +16,6 @@ use industrial_geometry::segmentation::{
 };
 use serde::Serialize;
 use serde_json::{Map, Value, json};
-use std::io::Write;
 use std::path::Path;
 
 const HELP: &str = "see `indgeo segment --help`";

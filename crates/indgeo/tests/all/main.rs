@@ -33,6 +33,7 @@ mod register;
 mod register_verdicts;
 mod register_views;
 mod report;
+mod segment;
 mod selftest;
 mod tessellate;
 mod thin_walls;
