@@ -118,7 +118,7 @@ pub(crate) fn join(cloud: &Cloud<'_>, regions: &mut Vec<Region>, labels: &mut [u
     }
     let mut joined = 0;
     for (first, members) in clusters {
-        if members.len() < 2 {
+        if members.len() < 2 || is_mostly_one(regions, &members) {
             continue;
         }
         let mut points: Vec<u32> = members.iter().flat_map(|&k| regions[k].points.iter().copied()).collect();
@@ -134,6 +134,20 @@ pub(crate) fn join(cloud: &Cloud<'_>, regions: &mut Vec<Region>, labels: &mut [u
     }
     compact(regions, labels, 1);
     joined
+}
+
+/// Whether one primitive holds so many points of a cluster that it is no piece of another surface: a simple one more than half of them,
+/// a torus, which bends both ways as pieces do, nearly all.
+fn is_mostly_one(regions: &[Region], members: &[usize]) -> bool {
+    let all: usize = members.iter().map(|&k| regions[k].points.len()).sum();
+    members.iter().any(|&k| {
+        let points = regions[k].points.len();
+        match regions[k].carrier {
+            Some(Carrier::Torus { .. }) => 20 * points > 17 * all,
+            Some(_) => 2 * points > all,
+            None => false,
+        }
+    })
 }
 
 /// Whether two pieces meet without an edge and without a jump of curvature.
