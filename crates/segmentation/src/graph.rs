@@ -111,7 +111,7 @@ fn both_ways(table: &[u32], width: usize, points: &[Point3<f64>]) -> (Vec<u32>, 
 }
 
 /// Cosine of two given normals below which the points lie on different sides.
-const OPPOSITE: f64 = 0.0;
+const OPPOSITE: f64 = -0.3;
 
 /// Indices fit into 32 bits: the index of the cloud has refused more points.
 #[expect(clippy::cast_possible_truncation, reason = "the number of points is below 2^32")]
