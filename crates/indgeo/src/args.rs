@@ -2,7 +2,7 @@
 
 use crate::commands::{
     align, contour, convert, demo, field, fit_curve, fit_ruled, fit_subdivision, fit_surface, geodesic, info,
-    inspect, morphology, parameterize, project, register, register_views, selftest,
+    inspect, morphology, parameterize, project, register, register_views, segment, selftest,
 };
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::path::{Path, PathBuf};
@@ -42,6 +42,7 @@ Examples:
   indgeo contour coins.png -o coins.json --picture coins.svg
   indgeo field part.stl -o distance.vti --signed
   indgeo geodesic part.stl --from 0 -o distance.csv
+  indgeo segment scan.ply -o labels.ply
   indgeo info scan.ply";
 
 #[derive(Debug, Subcommand)]
@@ -60,6 +61,7 @@ pub(crate) enum Command {
     Field(field::Args),
     Geodesic(geodesic::Args),
     Morphology(morphology::Args),
+    Segment(segment::Args),
     Convert(convert::Args),
     Info(info::Args),
     Demo(demo::Args),
@@ -108,6 +110,7 @@ impl Command {
             Self::Field(args) => args.files(),
             Self::Geodesic(args) => args.files(),
             Self::Morphology(args) => args.files(),
+            Self::Segment(args) => args.files(),
             Self::Convert(args) => (vec![&args.input], vec![args.output.clone()]),
             Self::Info(args) => (args.files.iter().map(PathBuf::as_path).collect(), Vec::new()),
             Self::Demo(args) => (Vec::new(), args.results()),
@@ -132,6 +135,7 @@ impl Command {
             Self::Field(_) => "field",
             Self::Geodesic(_) => "geodesic",
             Self::Morphology(_) => "morphology",
+            Self::Segment(_) => "segment",
             Self::Convert(_) => "convert",
             Self::Info(_) => "info",
             Self::Demo(_) => "demo",

@@ -1,5 +1,5 @@
 //! The commands of Industrial Geometry: `indgeo project | inspect | align | register | register-views | fit-curve | parameterize |
-//! fit-surface | fit-ruled | fit-subdivision | contour | field | geodesic | morphology | convert | info | demo | selftest`.
+//! fit-surface | fit-ruled | fit-subdivision | contour | field | geodesic | morphology | segment | convert | info | demo | selftest`.
 //!
 //! The program `indgeo` is [`main`]. [`call`] runs a command for another language in the same way, with the same checks, defaults
 //! and messages; its inputs and outputs may be in memory.
@@ -63,6 +63,7 @@ mod registration_report;
 mod registration_starts;
 mod registration_verdict;
 mod report;
+mod segmenting;
 mod selftest;
 mod session;
 mod staging;

@@ -16,6 +16,7 @@ use crate::on_surface::geodesic::GeodesicResults;
 use crate::on_surface::morphology::MorphologyResults;
 use crate::parameterizing::ParameterResults;
 use crate::registration_report::RegistrationResults;
+use crate::segmenting::SegmentationResults;
 use crate::selftest::Check;
 use crate::views_report::ViewsResults;
 use industrial_geometry::inspection::Statistics;
@@ -290,6 +291,8 @@ pub(crate) enum Results {
     Geodesic(Box<GeodesicResults>),
     /// Of operations on regions of a mesh.
     Morphology(Box<MorphologyResults>),
+    /// Of surfaces by type.
+    Segmentation(Box<SegmentationResults>),
     /// Of `convert`.
     Converted(ConvertResults),
     /// Of `selftest`.

@@ -9,6 +9,7 @@ use crate::on_surface;
 use crate::parameterizing::ParameterResults;
 use crate::registration_report::RegistrationResults;
 use crate::report::{ProjectionResults, Report, Results};
+use crate::segmenting;
 use crate::views_report::ViewsResults;
 use crate::wording::counted;
 use industrial_geometry::fit::curve::CurveReport;
@@ -35,6 +36,7 @@ pub(crate) fn of(report: &Report) -> String {
         Some(Results::Subdivision(found)) => write_subdivision(&mut text, report, found),
         Some(Results::Geodesic(found)) => on_surface::summary::write_geodesic(&mut text, report, found),
         Some(Results::Morphology(found)) => on_surface::summary::write_morphology(&mut text, report, found),
+        Some(Results::Segmentation(found)) => segmenting::summary::write(&mut text, report, found),
         _ => Ok(()),
     };
     text

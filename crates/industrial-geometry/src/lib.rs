@@ -25,6 +25,7 @@ pub use nurbs_core as nurbs;
 pub use pc_io as io;
 pub use sdm_fit as fit;
 pub use sdm_register as register;
+pub use segmentation;
 
 /// The example in README.md, compiled and run as a test.
 #[cfg(doctest)]

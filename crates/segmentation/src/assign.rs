@@ -16,7 +16,7 @@ const FREE_TURN: f64 = 0.1;
 /// Cost of a neighbour with another label.
 const BORDER: f64 = 1.0;
 /// Regions of fewer points are linked over all neighbours: narrow strips have no others of their own between them.
-pub(crate) const SMALL: usize = 200;
+pub(crate) const SMALL: usize = 500;
 /// Most sweeps.
 const SWEEPS: usize = 8;
 
@@ -199,7 +199,8 @@ pub(crate) fn split(cloud: &Cloud<'_>, regions: &mut Vec<Region>, labels: &mut [
         let new = if members.len() >= fewest {
             let id = as_index(regions.len());
             let old: &Region = &regions[*label as usize];
-            let copy = Region { points: members.clone(), carrier: old.carrier, sweep: old.sweep, rms: old.rms };
+            let copy =
+                Region { points: members.clone(), carrier: old.carrier, sweep: old.sweep, rms: old.rms };
             regions.push(copy);
             id
         } else {

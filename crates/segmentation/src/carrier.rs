@@ -9,12 +9,32 @@ pub(crate) type Row = SVector<f64, UNKNOWNS>;
 /// A surface of revolution or a plane, given by its parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Carrier {
-    Plane { point: Point3<f64>, normal: Vector3<f64> },
-    Sphere { centre: Point3<f64>, radius: f64 },
-    Cylinder { point: Point3<f64>, axis: Vector3<f64>, radius: f64 },
+    Plane {
+        point: Point3<f64>,
+        normal: Vector3<f64>,
+    },
+    Sphere {
+        centre: Point3<f64>,
+        radius: f64,
+    },
+    Cylinder {
+        point: Point3<f64>,
+        axis: Vector3<f64>,
+        radius: f64,
+    },
     /// `radius` is that at `point`; it grows along the axis by the tangent of `angle`, which may be negative.
-    Cone { point: Point3<f64>, axis: Vector3<f64>, radius: f64, angle: f64 },
-    Torus { centre: Point3<f64>, axis: Vector3<f64>, radius: f64, minor: f64 },
+    Cone {
+        point: Point3<f64>,
+        axis: Vector3<f64>,
+        radius: f64,
+        angle: f64,
+    },
+    Torus {
+        centre: Point3<f64>,
+        axis: Vector3<f64>,
+        radius: f64,
+        minor: f64,
+    },
 }
 
 /// Two unit vectors that make a right handed frame with a unit vector.

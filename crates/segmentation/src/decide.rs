@@ -60,7 +60,7 @@ pub(crate) fn decide(
                 let more = (best.carrier.unknowns() - simple.carrier.unknowns()) as f64;
                 let count = n as f64;
                 let gain = (simple.rms.powi(2) - best.rms.powi(2)) * count / (sigma * sigma);
-                if gain > 2.0 * more * count.ln() + 0.02 * count {
+                if gain > 1.5 * more * count.ln() + 0.01 * count {
                     decision.accepted = Some(best);
                 }
             }
@@ -123,7 +123,8 @@ pub(crate) fn decide(
 fn axes(points: &[Point3<f64>], normals: &[PointNormal], fields: Option<&Fields>) -> Vec<Vector3<f64>> {
     let mut axes = Vec::new();
     let centre = mean(points);
-    let nearest = points.iter().min_by(|a, b| (*a - centre).norm_squared().total_cmp(&(*b - centre).norm_squared()));
+    let nearest =
+        points.iter().min_by(|a, b| (*a - centre).norm_squared().total_cmp(&(*b - centre).norm_squared()));
     if let Some(first) = nearest {
         let patch: Vec<Point3<f64>> = std::iter::once(*first).chain(points.iter().copied()).collect();
         if let Some(jet) = Jet::fit(&patch) {
@@ -217,7 +218,11 @@ fn cone_starts(points: &[Point3<f64>], normals: &[PointNormal], fields: Option<&
 }
 
 /// The cone about a given axis whose generator is the line of regression.
-pub(crate) fn line_about(points: &[Point3<f64>], point: &Point3<f64>, axis: &Vector3<f64>) -> Option<Carrier> {
+pub(crate) fn line_about(
+    points: &[Point3<f64>],
+    point: &Point3<f64>,
+    axis: &Vector3<f64>,
+) -> Option<Carrier> {
     let flat: Vec<(f64, f64)> = points
         .iter()
         .map(|p| {
@@ -235,7 +240,12 @@ pub(crate) fn line_about(points: &[Point3<f64>], point: &Point3<f64>, axis: &Vec
     }
     // Direction of the larger principal axis of (h, r).
     let angle = 0.5 * (2.0 * hr).atan2(hh - rr);
-    (angle.abs() < 1.55).then(|| Carrier::Cone { point: point + axis * mh, axis: *axis, radius: mr.max(0.0), angle })
+    (angle.abs() < 1.55).then(|| Carrier::Cone {
+        point: point + axis * mh,
+        axis: *axis,
+        radius: mr.max(0.0),
+        angle,
+    })
 }
 
 /// Tori: circles about the axes of the motions.
@@ -245,7 +255,11 @@ fn torus_starts(points: &[Point3<f64>], fields: Option<&Fields>) -> Vec<Carrier>
 }
 
 /// The torus of algebraic least squares about a given axis.
-pub(crate) fn tube_about(points: &[Point3<f64>], point: &Point3<f64>, axis: &Vector3<f64>) -> Option<Carrier> {
+pub(crate) fn tube_about(
+    points: &[Point3<f64>],
+    point: &Point3<f64>,
+    axis: &Vector3<f64>,
+) -> Option<Carrier> {
     let flat: Vec<(f64, f64)> = points
         .iter()
         .map(|p| {

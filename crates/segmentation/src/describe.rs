@@ -122,7 +122,9 @@ fn swept(sweep: &Sweep, points: &[Point3<f64>], frame: &Frame) -> Shape {
     };
     match sweep {
         Sweep::Extrusion { axis } => Shape::Extrusion { axis: upwards(axis) },
-        Sweep::Revolution { point, axis } => Shape::Revolution { point: near(point, axis), axis: upwards(axis) },
+        Sweep::Revolution { point, axis } => {
+            Shape::Revolution { point: near(point, axis), axis: upwards(axis) }
+        }
         Sweep::Helix { point, axis, pitch } => Shape::Helix {
             point: near(point, axis),
             axis: upwards(axis),

@@ -56,17 +56,13 @@ impl Graph {
             .map(|i| {
                 let row = &table[i * width..(i + 1) * width];
                 let k = row.len().min(8);
-                let far = row.get(k.wrapping_sub(1)).map_or(0.0, |&j| (points[j as usize] - points[i]).norm());
+                let far =
+                    row.get(k.wrapping_sub(1)).map_or(0.0, |&j| (points[j as usize] - points[i]).norm());
                 far * (std::f64::consts::PI / k.max(1) as f64).sqrt()
             })
             .collect();
         let (starts, ends) = both_ways(&table, width, points);
         Ok(Self { table, width, starts, ends, spacing })
-    }
-
-    /// Number of points.
-    pub(crate) fn len(&self) -> usize {
-        self.spacing.len()
     }
 
     /// All kept neighbours of a point, nearest first.
@@ -115,7 +111,7 @@ fn both_ways(table: &[u32], width: usize, points: &[Point3<f64>]) -> (Vec<u32>, 
 }
 
 /// Cosine of two given normals below which the points lie on different sides.
-const OPPOSITE: f64 = 0.0;
+const OPPOSITE: f64 = -0.3;
 
 /// Indices fit into 32 bits: the index of the cloud has refused more points.
 #[expect(clippy::cast_possible_truncation, reason = "the number of points is below 2^32")]

@@ -8,8 +8,8 @@ use crate::carrier::Carrier;
 use crate::decide::{Decision, decide};
 use crate::graph::{Graph, as_index};
 use crate::jets::{CLEAN, Jets, PointNormal};
-use crate::sweep::Sweep;
 use crate::least_squares::{Fit, normal_equations};
+use crate::sweep::Sweep;
 
 /// Label of points that belong to no region yet.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -221,7 +221,15 @@ fn grow(cloud: &Cloud<'_>, seed: u32, labels: &[u32], scratch: &mut Scratch) -> 
         let Some(Fit { carrier, rms }) = decision.accepted else {
             return Growth::Refused(support);
         };
-        let next = spread(cloud, &support[..1], free, &carrier, Some(&support).filter(|s| s.len() < 500).map(Vec::as_slice), 2 * support.len(), scratch);
+        let next = spread(
+            cloud,
+            &support[..1],
+            free,
+            &carrier,
+            Some(&support).filter(|s| s.len() < 500).map(Vec::as_slice),
+            2 * support.len(),
+            scratch,
+        );
         let complete = next.len() < 2 * support.len();
         let settled = complete && next.len().abs_diff(support.len()) * 50 <= support.len();
         if next.len() < first.max(FEWEST) {

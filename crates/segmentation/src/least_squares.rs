@@ -61,7 +61,8 @@ pub(crate) fn refine(start: &Carrier, points: &[Point3<f64>], max_steps: usize) 
                 damped[(k, k)] += damping * matrix[(k, k)] + 1e-30;
             }
             let trial = damped.cholesky().map(|c| -c.solve(&gradient));
-            let next = trial.and_then(|step| carrier.moved(&step, &near)).map(|c| (c, normal_equations(&c, points)));
+            let next =
+                trial.and_then(|step| carrier.moved(&step, &near)).map(|c| (c, normal_equations(&c, points)));
             if let Some((moved, (value, slope, hessian))) = next.filter(|(_, (value, _, _))| *value <= cost) {
                 let gain = cost - value;
                 (carrier, gradient, matrix) = (moved, slope, hessian);

@@ -17,7 +17,7 @@ use crate::trend::is_systematic;
 /// Points of a neighbourhood of unlabelled points.
 const LOCAL: usize = 40;
 /// Draws per kind of carrier and axis.
-const DRAWS: usize = 10;
+const DRAWS: usize = 16;
 /// Most neighbourhoods of a round.
 const CENTRES: usize = 500;
 /// Most rounds.
@@ -62,7 +62,12 @@ pub(crate) fn propose(cloud: &Cloud<'_>, regions: &mut Vec<Region>, labels: &mut
             for &i in &proposal.support {
                 labels[i as usize] = label;
             }
-            regions.push(Region { points: proposal.support, carrier: Some(proposal.carrier), sweep: None, rms: proposal.rms });
+            regions.push(Region {
+                points: proposal.support,
+                carrier: Some(proposal.carrier),
+                sweep: None,
+                rms: proposal.rms,
+            });
             accepted += 1;
         }
         if accepted == 0 {
@@ -72,7 +77,7 @@ pub(crate) fn propose(cloud: &Cloud<'_>, regions: &mut Vec<Region>, labels: &mut
     regions.len() - before
 }
 
-/// Numbers for the draws at a point ([Steele, Lea and Flood 2014], `SplitMix64`).
+/// Numbers for the draws at a point, by the generator `SplitMix64` ([SLF14]).
 struct Draws(u64);
 
 impl Draws {
@@ -105,7 +110,12 @@ fn local(cloud: &Cloud<'_>, labels: &[u32], centre: u32) -> Vec<u32> {
 }
 
 /// Axes and axis lines that the regions around a point suggest.
-fn suggested(cloud: &Cloud<'_>, regions: &[Region], labels: &[u32], members: &[u32]) -> (Vec<Vector3<f64>>, Vec<(Point3<f64>, Vector3<f64>)>) {
+fn suggested(
+    cloud: &Cloud<'_>,
+    regions: &[Region],
+    labels: &[u32],
+    members: &[u32],
+) -> (Vec<Vector3<f64>>, Vec<(Point3<f64>, Vector3<f64>)>) {
     let mut around: Vec<u32> = Vec::new();
     for &i in members.iter().take(20) {
         for &j in cloud.graph.near(i as usize).iter().take(12) {
@@ -152,7 +162,13 @@ fn suggested(cloud: &Cloud<'_>, regions: &[Region], labels: &[u32], members: &[u
 }
 
 /// The proposal with the largest connected support at a point.
-fn best_at(cloud: &Cloud<'_>, regions: &[Region], labels: &[u32], centre: u32, scratch: &mut Scratch) -> Option<Proposal> {
+fn best_at(
+    cloud: &Cloud<'_>,
+    regions: &[Region],
+    labels: &[u32],
+    centre: u32,
+    scratch: &mut Scratch,
+) -> Option<Proposal> {
     let members = local(cloud, labels, centre);
     let n = members.len();
     if n < FEWEST {
@@ -166,7 +182,8 @@ fn best_at(cloud: &Cloud<'_>, regions: &[Region], labels: &[u32], centre: u32, s
     let mut draws = Draws(u64::from(centre));
     let mut best: [Option<(usize, Carrier)>; 5] = [None; 5];
     let mut offer = |carrier: Carrier| {
-        if carrier.at(&points[0]).0.abs() > within || carrier.size() > 20.0 * extent && carrier.unknowns() > 3 {
+        if carrier.at(&points[0]).0.abs() > within || carrier.size() > 20.0 * extent && carrier.unknowns() > 3
+        {
             return;
         }
         let on = points.iter().filter(|p| carrier.at(p).0.abs() < within).count();
@@ -180,11 +197,14 @@ fn best_at(cloud: &Cloud<'_>, regions: &[Region], labels: &[u32], centre: u32, s
             *kept = Some((on, carrier));
         }
     };
-    let near = n.min(16);
+    let mut wide = false;
     let mut pick = |k: usize| -> Option<Vec<Point3<f64>>> {
+        // Every other draw reaches farther: short arcs say little about circles.
+        wide = !wide;
+        let reach = if wide { n } else { n.min(16) };
         let mut chosen = vec![0];
         for _ in 1..k {
-            let i = 1 + draws.below(near - 1);
+            let i = 1 + draws.below(reach - 1);
             if chosen.contains(&i) {
                 return None;
             }
@@ -238,7 +258,9 @@ fn best_at(cloud: &Cloud<'_>, regions: &[Region], labels: &[u32], centre: u32, s
     for k in [16, 24] {
         if n >= k {
             let normals = cloud.normals(&members[..k]);
-            if let Some(fit) = crate::decide::decide(&points[..k], &normals, cloud.sigma, None, false).accepted {
+            if let Some(fit) =
+                crate::decide::decide(&points[..k], &normals, cloud.sigma, None, false).accepted
+            {
                 offer(fit.carrier);
             }
         }
@@ -257,10 +279,19 @@ fn best_at(cloud: &Cloud<'_>, regions: &[Region], labels: &[u32], centre: u32, s
 }
 
 /// Refines a carrier on its connected points until they stay.
-fn settle(cloud: &Cloud<'_>, labels: &[u32], members: &[u32], start: &Carrier, scratch: &mut Scratch) -> Option<Proposal> {
+fn settle(
+    cloud: &Cloud<'_>,
+    labels: &[u32],
+    members: &[u32],
+    start: &Carrier,
+    scratch: &mut Scratch,
+) -> Option<Proposal> {
     let mut carrier = *start;
-    let mut support: Vec<u32> =
-        members.iter().copied().filter(|&i| carrier.at(&cloud.points[i as usize]).0.abs() < 3.0 * cloud.sigma).collect();
+    let mut support: Vec<u32> = members
+        .iter()
+        .copied()
+        .filter(|&i| carrier.at(&cloud.points[i as usize]).0.abs() < 3.0 * cloud.sigma)
+        .collect();
     let mut rms = 0.0;
     for _ in 0..5 {
         let sample = cloud.positions(&support);

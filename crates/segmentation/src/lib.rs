@@ -19,6 +19,7 @@
 //! ```
 
 mod assign;
+mod border;
 mod carrier;
 mod decide;
 mod describe;

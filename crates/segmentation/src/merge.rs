@@ -3,9 +3,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::assign::{SMALL, compact, covers};
-use crate::graph::as_index;
 use crate::carrier::Carrier;
+use crate::graph::as_index;
 use crate::grow::{Cloud, NONE, Region};
+use crate::least_squares::{Fit, refine};
+use nalgebra::Point3;
 
 /// Numbers of links between regions, the smaller label first.
 pub(crate) fn adjacency(cloud: &Cloud<'_>, labels: &[u32]) -> BTreeMap<(u32, u32), usize> {
@@ -61,8 +63,15 @@ pub(crate) fn merge(cloud: &Cloud<'_>, regions: &mut Vec<Region>, labels: &mut [
                 all.sort_unstable();
                 all
             };
-            let (decision, _) = cloud.decide(&joint, Some(&carrier), false, &mut inside);
-            let Some(fit) = decision.accepted else { continue };
+            let same = one_carrier(cloud, &carrier, big, little);
+            let fit = match same {
+                Some(fit) => fit,
+                None => {
+                    let (decision, _) = cloud.decide(&joint, Some(&carrier), false, &mut inside);
+                    let Some(fit) = decision.accepted else { continue };
+                    fit
+                }
+            };
             if !covers(cloud, &fit.carrier, &little.points) || !covers(cloud, &fit.carrier, &big.points) {
                 continue;
             }
@@ -70,7 +79,8 @@ pub(crate) fn merge(cloud: &Cloud<'_>, regions: &mut Vec<Region>, labels: &mut [
                 labels[i as usize] = large;
             }
             regions[small as usize].points.clear();
-            regions[large as usize] = Region { points: joint, carrier: Some(fit.carrier), sweep: None, rms: fit.rms };
+            regions[large as usize] =
+                Region { points: joint, carrier: Some(fit.carrier), sweep: None, rms: fit.rms };
             changed[a as usize] = true;
             changed[b as usize] = true;
             any = true;
@@ -105,4 +115,20 @@ fn add_small(cloud: &Cloud<'_>, regions: &[Region], labels: &[u32], pairs: &mut 
             }
         }
     }
+}
+
+/// The common carrier of two regions of one type, if the sums of squares of both together do not exceed those of each by more than
+/// noise would: χ² with as many degrees of freedom as there are unknowns.
+fn one_carrier(cloud: &Cloud<'_>, carrier: &Carrier, big: &Region, little: &Region) -> Option<Fit> {
+    let other = little.carrier.filter(|c| c.unknowns() == carrier.unknowns())?;
+    let (a, b) = (cloud.positions(&big.points), cloud.positions(&little.points));
+    let square = |c: &Carrier, points: &[Point3<f64>]| points.iter().map(|x| c.at(x).0.powi(2)).sum::<f64>();
+    let own = |c: &Carrier, points: &[Point3<f64>]| {
+        refine(c, points, 10).map_or_else(|| square(c, points), |fit| square(&fit.carrier, points))
+    };
+    let joint: Vec<Point3<f64>> = a.iter().chain(&b).copied().collect();
+    let fit = refine(carrier, &joint, 15)?;
+    let more = square(&fit.carrier, &joint) - own(carrier, &a) - own(&other, &b);
+    let k = carrier.unknowns() as f64;
+    (more < (k + 4.0 * (2.0 * k).sqrt() + 0.01 * joint.len() as f64) * cloud.sigma.powi(2)).then_some(fit)
 }

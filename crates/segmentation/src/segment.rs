@@ -3,6 +3,7 @@
 use nalgebra::{Point3, Vector3};
 
 use crate::assign::{assign, refit, split};
+use crate::border::cut;
 use crate::describe::describe;
 use crate::error::Error;
 use crate::graph::Graph;
@@ -22,7 +23,7 @@ const FLOOR: f64 = 3e-4;
 const LINKS: usize = 4;
 
 /// Segments a cloud into regions that one surface carries each, by type: plane, cylinder, cone, sphere, torus, extrusion, revolution, helix,
-/// free-form ([PHOW04, sec. 6]).
+/// free-form ([P05, sec. 6]).
 ///
 /// Regions grow from the most certain neighbourhoods as long as the orthogonal distances agree with the noise, which is found from the
 /// cloud itself; narrow and small faces are proposed by few points each; then every point goes to the carrier that explains it best
@@ -111,6 +112,8 @@ fn finish(cloud: &Cloud<'_>, regions: &mut Vec<Region>, labels: &mut [u32], fewe
     assign(cloud, regions, labels);
     refit(cloud, regions, labels, fewest);
     decide_again(cloud, regions);
+    cut(cloud, regions, labels);
+    refit(cloud, regions, labels, fewest);
     find_sweeps(cloud, regions);
 }
 

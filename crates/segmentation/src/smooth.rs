@@ -9,6 +9,7 @@ use crate::assign::compact;
 use crate::carrier::Carrier;
 use crate::graph::as_index;
 use crate::grow::{Cloud, NONE, Region};
+use crate::jets::{CLEAN, Jet};
 use crate::merge::adjacency;
 use crate::sweep::decide_sweep;
 
@@ -43,7 +44,9 @@ pub(crate) fn gather(cloud: &Cloud<'_>, regions: &mut Vec<Region>, labels: &mut 
                 }
                 let agrees = cloud.jets.jets[i].as_ref().is_some_and(|jet| {
                     let (d, n, away) = jet.at(&cloud.points[j]);
-                    away < 1.5 && d.abs() < 4.0 * cloud.sigma && n.dot(&cloud.jets.normals[j].normal).abs() > 0.94
+                    away < 1.5
+                        && d.abs() < 4.0 * cloud.sigma
+                        && n.dot(&cloud.jets.normals[j].normal).abs() > 0.94
                 });
                 if agrees {
                     seen[j] = true;
@@ -67,7 +70,11 @@ pub(crate) fn gather(cloud: &Cloud<'_>, regions: &mut Vec<Region>, labels: &mut 
 fn normal_at(cloud: &Cloud<'_>, region: &Region, own: usize, x: &Point3<f64>) -> Option<Vector3<f64>> {
     match &region.carrier {
         Some(carrier) => Some(carrier.at(x).1),
-        None => cloud.jets.jets[own].as_ref().map(|jet| jet.at(x).1),
+        // Quadrics that reach over an edge make it smooth.
+        None => {
+            let clean = |jet: &&Jet| jet.residual < CLEAN * cloud.sigma;
+            cloud.jets.jets[own].as_ref().filter(clean).map(|jet| jet.at(x).1)
+        }
     }
 }
 
@@ -82,7 +89,8 @@ pub(crate) fn join(cloud: &Cloud<'_>, regions: &mut Vec<Region>, labels: &mut [u
         }
         k
     }
-    let mut borders: std::collections::BTreeMap<(u32, u32), Vec<(u32, u32)>> = std::collections::BTreeMap::new();
+    let mut borders: std::collections::BTreeMap<(u32, u32), Vec<(u32, u32)>> =
+        std::collections::BTreeMap::new();
     for i in 0..labels.len() {
         for &j in cloud.graph.around(i) {
             let (a, b) = (labels[i], labels[j as usize]);
@@ -110,7 +118,7 @@ pub(crate) fn join(cloud: &Cloud<'_>, regions: &mut Vec<Region>, labels: &mut [u
     }
     let mut joined = 0;
     for (first, members) in clusters {
-        if members.len() < 2 {
+        if members.len() < 2 || is_mostly_one(regions, &members) {
             continue;
         }
         let mut points: Vec<u32> = members.iter().flat_map(|&k| regions[k].points.iter().copied()).collect();
@@ -126,6 +134,20 @@ pub(crate) fn join(cloud: &Cloud<'_>, regions: &mut Vec<Region>, labels: &mut [u
     }
     compact(regions, labels, 1);
     joined
+}
+
+/// Whether one primitive holds so many points of a cluster that it is no piece of another surface: a simple one more than half of them,
+/// a torus, which bends both ways as pieces do, nearly all.
+fn is_mostly_one(regions: &[Region], members: &[usize]) -> bool {
+    let all: usize = members.iter().map(|&k| regions[k].points.len()).sum();
+    members.iter().any(|&k| {
+        let points = regions[k].points.len();
+        match regions[k].carrier {
+            Some(Carrier::Torus { .. }) => 20 * points > 17 * all,
+            Some(_) => 2 * points > all,
+            None => false,
+        }
+    })
 }
 
 /// Whether two pieces meet without an edge and without a jump of curvature.
@@ -181,7 +203,9 @@ fn is_smooth(cloud: &Cloud<'_>, one: &Region, other: &Region, links: &[(u32, u32
         sum += nearest;
         count += 1.0;
     }
-    let width = 2.0 * sum / f64::max(count, 1.0);
+    // A piece of few rows may be part of a wider strip.
+    let least = 4.0 * cloud.graph.spacing[small.points[small.points.len() / 2] as usize];
+    let width = f64::max(2.0 * sum / f64::max(count, 1.0), least);
     edge < EDGE && jump * width < BEND
 }
 

@@ -12,10 +12,19 @@ use crate::velocity::{Fields, Helical};
 /// The motion that sweeps a region.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Sweep {
-    Extrusion { axis: Vector3<f64> },
-    Revolution { point: Point3<f64>, axis: Vector3<f64> },
+    Extrusion {
+        axis: Vector3<f64>,
+    },
+    Revolution {
+        point: Point3<f64>,
+        axis: Vector3<f64>,
+    },
     /// `pitch` is the advance per radian.
-    Helix { point: Point3<f64>, axis: Vector3<f64>, pitch: f64 },
+    Helix {
+        point: Point3<f64>,
+        axis: Vector3<f64>,
+        pitch: f64,
+    },
 }
 
 impl Sweep {
@@ -39,7 +48,9 @@ impl Sweep {
         };
         match self {
             Self::Extrusion { axis } => Self::Extrusion { axis: tilt(axis) },
-            Self::Revolution { point, axis } => Self::Revolution { point: shift(point, axis), axis: tilt(axis) },
+            Self::Revolution { point, axis } => {
+                Self::Revolution { point: shift(point, axis), axis: tilt(axis) }
+            }
             Self::Helix { point, axis, pitch } => {
                 Self::Helix { point: shift(point, axis), axis: tilt(axis), pitch: pitch + step[4] }
             }
@@ -145,7 +156,11 @@ fn rms(distances: &[f64]) -> f64 {
 const SAMPLE: usize = 600;
 
 /// The simplest motion whose profile agrees with the noise, and the standard deviation of the distances.
-pub(crate) fn decide_sweep(points: &[Point3<f64>], normals: &[PointNormal], sigma: f64) -> Option<(Sweep, f64)> {
+pub(crate) fn decide_sweep(
+    points: &[Point3<f64>],
+    normals: &[PointNormal],
+    sigma: f64,
+) -> Option<(Sweep, f64)> {
     let stride = points.len().div_ceil(SAMPLE).max(1);
     let some: Vec<Point3<f64>> = points.iter().copied().step_by(stride).collect();
     if some.len() < 40 {

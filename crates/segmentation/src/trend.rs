@@ -28,8 +28,26 @@ pub(crate) fn is_systematic(carrier: &Carrier, points: &[Point3<f64>], sigma: f6
         let q = (p - normal * distance - centre) / size;
         let (x, y, z) = (q.x, q.y, q.z);
         let all = [
-            1.0, x, y, z, x * x, x * y, x * z, y * y, y * z, z * z, x * x * x, x * x * y, x * x * z, x * y * y,
-            x * y * z, x * z * z, y * y * y, y * y * z, y * z * z, z * z * z,
+            1.0,
+            x,
+            y,
+            z,
+            x * x,
+            x * y,
+            x * z,
+            y * y,
+            y * z,
+            z * z,
+            x * x * x,
+            x * x * y,
+            x * x * z,
+            x * y * y,
+            x * y * z,
+            x * z * z,
+            y * y * y,
+            y * y * z,
+            y * z * z,
+            z * z * z,
         ];
         row.copy_from_slice(&all);
         for i in 0..terms {

@@ -1,7 +1,7 @@
 //! Velocity fields tangential to a region: the generalised null space problem.
 //!
 //! A field `v(x) = c̄ + c × x` is tangential where `n·v = 0`. `M z = λ B z` with `M = Σ (n·v)²/σₙ²` and `B = Σ |v|²`, `z = (c̄, c)`,
-//! makes `λ` free of origin, scale and size of the region; a true field has `λ ≈ 1` ([PHOW04, sec. 4]).
+//! makes `λ` free of origin, scale and size of the region; a true field has `λ ≈ 1` ([P05, sec. 6]).
 
 use nalgebra::{Matrix3, Point3, SMatrix, SVector, SymmetricEigen, Vector3};
 
@@ -11,13 +11,11 @@ use crate::least_squares::mean;
 type Matrix6 = SMatrix<f64, 6, 6>;
 type Vector6 = SVector<f64, 6>;
 
-/// The fields of a region, the most tangential first, in coordinates about `origin` in units of `scale`.
+/// The fields of a region, the most tangential first (`λ` ascending), in coordinates about `origin` in units of `scale`.
 #[derive(Clone, Debug)]
 pub(crate) struct Fields {
     pub(crate) origin: Point3<f64>,
     pub(crate) scale: f64,
-    /// `λ`, ascending.
-    pub(crate) values: [f64; 6],
     /// `(c̄, c)` of each.
     fields: [Vector6; 6],
     /// Eigenvalues and eigenvectors of `Σ n nᵀ/σₙ²` over the sum of weights, ascending.
@@ -69,13 +67,12 @@ impl Fields {
         let eigen = SymmetricEigen::new(inverse * m * inverse.transpose());
         let mut order = [0, 1, 2, 3, 4, 5];
         order.sort_by(|&i, &j| eigen.eigenvalues[i].total_cmp(&eigen.eigenvalues[j]).then(i.cmp(&j)));
-        let values = order.map(|k| eigen.eigenvalues[k]);
         let fields = order.map(|k| inverse.transpose() * eigen.eigenvectors.column(k));
         let three = SymmetricEigen::new(m.fixed_view::<3, 3>(0, 0).into_owned() * (count / total));
         let mut order = [0, 1, 2];
         order.sort_by(|&i, &j| three.eigenvalues[i].total_cmp(&three.eigenvalues[j]).then(i.cmp(&j)));
         let translations = order.map(|k| (three.eigenvalues[k], three.eigenvectors.column(k).into()));
-        Some(Self { origin, scale, values, fields, translations })
+        Some(Self { origin, scale, fields, translations })
     }
 
     /// The motion of one of the fields in the coordinates of the cloud; `None` for a translation.

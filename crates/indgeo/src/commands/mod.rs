@@ -19,6 +19,7 @@ pub(crate) mod parameterize;
 pub(crate) mod project;
 pub(crate) mod register;
 pub(crate) mod register_views;
+pub(crate) mod segment;
 pub(crate) mod selftest;
 
 use crate::args::{Command, Common};
@@ -91,6 +92,7 @@ pub(crate) fn run(command: &Command, common: &Common, report: &mut Report) -> Re
         Command::Field(args) => field::run(args, common, report),
         Command::Geodesic(args) => geodesic::run(args, common, report),
         Command::Morphology(args) => morphology::run(args, common, report),
+        Command::Segment(args) => segment::run(args, common, report),
         Command::Convert(args) => convert::run(args, report),
         Command::Info(args) => info::run(args, common, report),
         Command::Demo(args) => demo::run(args, common, report),

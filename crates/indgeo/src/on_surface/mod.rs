@@ -3,7 +3,7 @@
 pub(crate) mod geodesic;
 mod labels;
 pub(crate) mod morphology;
-mod picture;
+pub(crate) mod picture;
 pub(crate) mod summary;
 
 use crate::error::Error;

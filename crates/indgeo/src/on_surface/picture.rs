@@ -19,7 +19,7 @@ const MOST: usize = 200_000;
 const BEFORE: f64 = 0.01;
 
 /// Makes sure that the picture can have its format.
-pub(super) fn check(path: &Path) -> Result<(), Error> {
+pub(crate) fn check(path: &Path) -> Result<(), Error> {
     if files::extension(path) == "svg" || files::is_stream(path) {
         return Ok(());
     }
@@ -27,7 +27,7 @@ pub(super) fn check(path: &Path) -> Result<(), Error> {
 }
 
 /// Makes sure that a picture of the mesh is not too large to be looked at.
-pub(super) fn check_size(mesh: &TriangleMesh, path: &Path) -> Result<(), Error> {
+pub(crate) fn check_size(mesh: &TriangleMesh, path: &Path) -> Result<(), Error> {
     let count = mesh.triangles().len();
     if count <= MOST {
         return Ok(());
@@ -37,7 +37,7 @@ pub(super) fn check_size(mesh: &TriangleMesh, path: &Path) -> Result<(), Error> 
 }
 
 /// Draws one value per vertex, and curves.
-pub(super) fn draw(mesh: &TriangleMesh, values: &[f64], curves: &[&[[f64; 3]]]) -> String {
+pub(crate) fn draw(mesh: &TriangleMesh, values: &[f64], curves: &[&[[f64; 3]]]) -> String {
     let view = Rotation3::from_axis_angle(&Vector3::x_axis(), -1.1)
         * Rotation3::from_axis_angle(&Vector3::z_axis(), -0.6);
     let seen: Vec<Point3<f64>> = mesh.vertices().iter().map(|point| view * point).collect();

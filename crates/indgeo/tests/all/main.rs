@@ -36,6 +36,7 @@ mod register_verdicts;
 mod register_views;
 mod report;
 mod scanners;
+mod segment;
 mod selftest;
 mod tessellate;
 mod thin_walls;
