@@ -14,6 +14,7 @@
 //! | triangle meshes | [`MeshField`] | exact | 2 ([`MeshGeometry::Smooth`]), 1 and 0 on boundaries |
 //! | Loop subdivision surfaces | [`LoopField`] | exact, not certified | 2 inside, 1 on the boundary |
 //! | dense clouds | [`CloudField`] | on quadrics at the points | 2 |
+//! | adaptively sampled distances | [`adaptive::AdaptiveField`] | within their tolerance | 2 in space, 1 in the plane |
 //! | level sets on grids | [`LevelSetField`] | exact for the spline through the values | 2 in space, 1 in the plane |
 //! | offsets of these | [`OffsetField`] | on the normals of the shape | all |
 //! | any of these | [`D2Tree`] | none: precomputed models | as in the field it is made of |

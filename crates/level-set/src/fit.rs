@@ -145,6 +145,34 @@ struct Work<'a> {
     options: &'a FitOptions,
 }
 
+/// A curve that may be the one.
+struct Candidate {
+    curve: BsplineCurve<2>,
+    gap: Gap,
+    /// Parameters at which it crosses itself.
+    crossings: Vec<[f64; 2]>,
+}
+
+impl Candidate {
+    /// Whether it is to be preferred to another: one that does not cross itself, then the nearer one.
+    fn is_better_than(&self, other: &Self) -> bool {
+        let crosses = [self, other].map(|candidate| !candidate.crossings.is_empty());
+        match crosses {
+            [false, true] => true,
+            [true, false] => false,
+            _ => self.gap.largest() < other.gap.largest(),
+        }
+    }
+}
+
+/// The better one of what is known and what is new.
+fn better(known: Option<Candidate>, new: Candidate) -> Candidate {
+    match known {
+        Some(known) if !new.is_better_than(&known) => known,
+        _ => new,
+    }
+}
+
 fn fit_contour(
     field: &LevelSetField<2>,
     contour: &Polyline<2>,
@@ -157,29 +185,38 @@ fn fit_contour(
         is_closed: contour.is_closed(),
         options,
     };
-    let (curve, gap) = work.best()?;
-    let crossings = self_crossings(&curve).len();
+    let found = work.best()?;
+    let is_within = work.is_good(&found);
     let mut ring: Vec<_> = contour.vertices().to_vec();
     ring.extend(contour.vertices().first().copied());
     let area = signed_area(&Polyline::new(ring, false)?);
-    let controls = curve.knots().distinct_count();
     Ok(FittedContour {
-        is_within: gap.largest() <= options.abs_tolerance && crossings == 0,
-        curve,
+        is_within,
         is_closed: work.is_closed,
         is_hole: work.is_closed && area < 0.0,
         area: area.abs(),
         length: work.length,
-        controls,
-        forth: gap.forth,
-        back: gap.back,
-        crossings,
+        controls: found.curve.knots().distinct_count(),
+        forth: found.gap.forth,
+        back: found.gap.back,
+        crossings: found.crossings.len(),
+        curve: found.curve,
     })
 }
 
 impl Work<'_> {
+    fn is_good(&self, candidate: &Candidate) -> bool {
+        candidate.gap.largest() <= self.options.abs_tolerance && candidate.crossings.is_empty()
+    }
+
+    fn candidate(&self, curve: BsplineCurve<2>) -> Result<Candidate, Error> {
+        let gap = gap(self.field, &self.samples, &curve)?;
+        let crossings = self_crossings(&curve);
+        Ok(Candidate { curve, gap, crossings })
+    }
+
     /// The curve that is asked for, or the nearest one that was found.
-    fn best(&self) -> Result<(BsplineCurve<2>, Gap), Error> {
+    fn best(&self) -> Result<Candidate, Error> {
         let even = |spans: usize| (0..=spans).map(|k| k as f64 / spans as f64).collect::<Vec<f64>>();
         let degree = self.options.degree;
         if let Some(controls) = self.options.controls {
@@ -190,36 +227,35 @@ impl Work<'_> {
         let first = (cells / CELLS).ceil().clamp(FIRST[0] as f64, FIRST[1] as f64);
         let least = if self.is_closed { 2 * degree } else { 1 };
         let mut breaks = even(to_count(first).max(least));
-        let mut best: Option<(BsplineCurve<2>, Gap)> = None;
+        let mut best = self.drawn(&breaks)?;
+        let mut latest: Option<Candidate> = None;
         for _ in 0..ROUNDS {
-            let (curve, gap) = self.drawn(&breaks)?;
-            let is_near = gap.largest() <= self.options.abs_tolerance;
-            // Looked for where the distances are good: only then it decides.
-            let crossings = if is_near { self_crossings(&curve) } else { Vec::new() };
-            let split = self.split(&breaks, &gap, &crossings);
-            let is_better = best.as_ref().is_none_or(|(_, known)| gap.largest() < known.largest());
-            let is_within = is_near && crossings.is_empty();
-            if is_better || is_within {
-                best = Some((curve, gap));
-            }
+            let split = self.split(&breaks, latest.as_ref().unwrap_or(&best));
             let most = self.options.max_controls;
-            if is_within || split.len() == breaks.len() || split.len() + degree > most {
+            if self.is_good(&best) || split.len() == breaks.len() || split.len() + degree > most {
                 break;
             }
             breaks = split;
+            let found = self.drawn(&breaks)?;
+            if found.is_better_than(&best) {
+                (best, latest) = (found, None);
+            } else {
+                latest = Some(found);
+            }
         }
-        best.ok_or_else(|| Error::Empty { what: "no curve was found for a contour".to_owned() })
+        Ok(best)
     }
 
     /// The breaks with the middle of each span that is not within the tolerance or in which the curve crosses itself, as long as there are
     /// points for it.
-    fn split(&self, breaks: &[f64], gap: &Gap, crossings: &[[f64; 2]]) -> Vec<f64> {
+    fn split(&self, breaks: &[f64], candidate: &Candidate) -> Vec<f64> {
         let mut out = Vec::with_capacity(2 * breaks.len());
-        for (pair, error) in breaks.windows(2).zip(&gap.spans) {
+        let shares: Vec<f64> = self.samples.iter().map(|(length, _)| length / self.length).collect();
+        for (pair, error) in breaks.windows(2).zip(&candidate.gap.spans) {
             out.push(pair[0]);
-            let within = |t: &&f64| pair[0] <= **t && **t < pair[1];
-            let points = gap.parameters.iter().filter(within).count();
-            let crosses = crossings.iter().flatten().any(|t| pair[0] <= *t && *t <= pair[1]);
+            let points = shares.iter().filter(|share| pair[0] <= **share && **share < pair[1]).count();
+            let within = |t: &f64| pair[0] <= *t && *t <= pair[1];
+            let crosses = candidate.crossings.iter().flatten().any(within);
             let is_good = *error <= self.options.abs_tolerance && !crosses;
             if !is_good && points >= 2 * PER_SPAN {
                 out.push(0.5 * (pair[0] + pair[1]));
@@ -243,7 +279,10 @@ impl Work<'_> {
     }
 
     /// The curve with knots at given breaks in `[0, 1]`, drawn to the level set.
-    fn drawn(&self, breaks: &[f64]) -> Result<(BsplineCurve<2>, Gap), Error> {
+    ///
+    /// Of the least squares curves by length and by feet, and the one that is drawn, the best counts: feet may run back where a contour
+    /// turns sharply, and a curve that follows them crosses itself.
+    fn drawn(&self, breaks: &[f64]) -> Result<Candidate, Error> {
         let points: Vec<Vector2<f64>> = self.samples.iter().map(|(_, point)| *point).collect();
         let mut parameters: Vec<f64> = self.samples.iter().map(|(length, _)| length / self.length).collect();
         let knots = self.knots(breaks)?;
@@ -253,33 +292,23 @@ impl Work<'_> {
         {
             options = options.with_end_points(*first, *last);
         }
-        let mut best: Option<(BsplineCurve<2>, Gap)> = None;
-        let keep = |best: &mut Option<(BsplineCurve<2>, Gap)>, curve: BsplineCurve<2>, gap: Gap| {
-            if best.as_ref().is_none_or(|(_, known)| gap.largest() < known.largest()) {
-                *best = Some((curve, gap));
-            }
-        };
+        let is_free = self.options.controls.is_none();
+        let mut best: Option<Candidate> = None;
         for _ in 0..CORRECTIONS {
             let curve = BsplineCurve::approximate(knots.clone(), &parameters, &points, &options)?.shape;
-            let gap = gap(self.field, &self.samples, &curve)?;
-            let is_within = gap.largest() <= self.options.abs_tolerance;
-            parameters.clone_from(&gap.parameters);
-            keep(&mut best, curve, gap);
-            if is_within && self.options.controls.is_none() {
-                break;
+            let found = self.candidate(curve)?;
+            parameters.clone_from(&found.gap.parameters);
+            let found = better(best.take(), found);
+            if is_free && self.is_good(&found) {
+                return Ok(found);
             }
+            best = Some(found);
         }
-        let Some((start, before)) = best.take() else {
+        let Some(start) = best else {
             return Err(Error::Empty { what: "a contour has no points".to_owned() });
         };
-        if before.largest() <= self.options.abs_tolerance && self.options.controls.is_none() {
-            return Ok((start, before));
-        }
-        let drawn = self.by_distance(&start)?;
-        let after = gap(self.field, &self.samples, &drawn)?;
-        best = Some((start, before));
-        keep(&mut best, drawn, after);
-        best.ok_or_else(|| Error::Empty { what: "a contour has no points".to_owned() })
+        let drawn = self.candidate(self.by_distance(&start.curve)?)?;
+        Ok(better(Some(start), drawn))
     }
 
     /// Squared distance minimisation on the field of the level set.

@@ -36,6 +36,11 @@ pub(crate) fn along(field: &LevelSetField<2>, contour: &Polyline<2>) -> Vec<(f64
     out
 }
 
+/// The larger of two distances; one that is not a number is larger than all, so that no verdict passes over it.
+pub(crate) fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b <= a { a } else { b }
+}
+
 /// Largest distances between a curve and a level set.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Gap {
@@ -51,8 +56,7 @@ pub(crate) struct Gap {
 
 impl Gap {
     pub(crate) fn largest(&self) -> f64 {
-        // Not a number stays so.
-        if self.forth.is_nan() { self.forth } else { self.forth.max(self.back) }
+        larger(self.forth, self.back)
     }
 }
 
@@ -73,21 +77,33 @@ pub(crate) fn gap(
     for (k, frame) in field.frames(&points, Search::Global, &[]).iter().enumerate() {
         // The nearest point, foot or not, is on the level set.
         let distance = (points[k] - frame.foot).norm();
-        forth = if distance <= forth { forth } else { distance };
+        forth = larger(forth, distance);
         let span = &mut spans[k / (PER_SPAN + 1)];
-        *span = if distance <= *span { *span } else { distance };
+        *span = larger(*span, distance);
     }
     let projector = CurveProjector::new(curve);
     let queries: Vec<Vector2<f64>> = samples.iter().map(|(_, point)| *point).collect();
     let mut back = 0.0f64;
     let mut parameters = Vec::with_capacity(queries.len());
     for foot in projector.project_all(&queries) {
-        back = if foot.distance <= back { back } else { foot.distance };
+        back = larger(back, foot.distance);
         parameters.push(foot.parameter);
         let t = foot.parameter;
         if let Some(span) = intervals.iter().position(|i| i.start() <= t && t <= i.end()) {
-            spans[span] = spans[span].max(foot.distance);
+            spans[span] = larger(spans[span], foot.distance);
         }
     }
     Ok(Gap { forth, back, spans, parameters })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::larger;
+
+    #[test]
+    fn what_is_not_a_number_is_not_lost() {
+        assert_eq!([larger(1.0, 2.0), larger(2.0, 1.0)], [2.0, 2.0]);
+        assert!(larger(f64::NAN, 1.0).is_nan() && larger(1.0, f64::NAN).is_nan());
+        assert!([1.0, f64::NAN, 0.5].into_iter().fold(0.0, larger).is_nan());
+    }
 }

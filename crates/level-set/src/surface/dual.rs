@@ -2,6 +2,7 @@
 
 use super::vertex::vertex;
 use crate::contour::empty;
+use crate::measure::larger;
 use crate::{Error, parallel};
 use distance_field::{DistanceField, Grid, LevelSetField, Search};
 use mesh_core::{MeshProjector, TriangleMesh};
@@ -245,7 +246,7 @@ pub fn surface_gap(field: &LevelSetField<3>, mesh: &TriangleMesh) -> Result<Surf
     let points: Vec<Vector3<f64>> = mesh.triangles().iter().flat_map(samples).collect();
     let frames = field.frames(&points, Search::Global, &[]);
     let far = frames.iter().zip(&points).map(|(frame, x)| (frame.foot - x).norm());
-    let forth = far.fold(0.0, |most, far| if far <= most { most } else { far });
+    let forth = far.fold(0.0, larger);
     let grid = field.grid();
     let low = grid.origin() + grid.spacing();
     let last = grid.values().len() - 1;
@@ -255,7 +256,7 @@ pub fn surface_gap(field: &LevelSetField<3>, mesh: &TriangleMesh) -> Result<Surf
     let projector = MeshProjector::new(mesh)?;
     let mut back = 0.0f64;
     for found in projector.project_many(&crossings) {
-        back = back.max(found?.distance);
+        back = larger(back, found?.distance);
     }
     Ok(SurfaceGap { forth, back })
 }

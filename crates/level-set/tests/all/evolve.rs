@@ -62,18 +62,18 @@ fn flows_are_followed_to_a_high_order() {
 
 #[test]
 fn spheres_shrink_by_their_mean_curvature() {
-    let n = 31;
-    let start = Grid::sample(Vector3::repeat(-1.5), Vector3::repeat(0.1), [n; 3], |p| p.norm_squared() - 1.0)
+    let n = 25;
+    let start = Grid::sample(Vector3::repeat(-1.44), Vector3::repeat(0.12), [n; 3], |p| p.norm_squared() - 1.0)
         .unwrap();
     let mut evolution = Evolution::new(&start, &EvolutionOptions::default()).unwrap();
-    evolution.run(&Motion::default().with_curvature(&vec![1.0; n * n * n]), 0.08).unwrap();
+    evolution.run(&Motion::default().with_curvature(&vec![1.0; n * n * n]), 0.06).unwrap();
     // r² falls by four times the time.
     let field = LevelSetField::<3>::new(evolution.grid()).unwrap();
     let off = field
         .crossings()
-        .map(|p: SVector<f64, 3>| (p.norm() - (1.0f64 - 0.32).sqrt()).abs())
+        .map(|p: SVector<f64, 3>| (p.norm() - (1.0f64 - 0.24).sqrt()).abs())
         .fold(0.0, f64::max);
-    assert!(off < 6e-3, "{off}");
+    assert!(off < 8e-3, "{off}");
 }
 
 #[test]
