@@ -23,6 +23,7 @@ mod fitting_subdivision;
 mod fitting_surface;
 mod inspecting;
 mod inspecting_pieces;
+mod inspection_results;
 mod interrupt;
 mod model;
 mod moving;

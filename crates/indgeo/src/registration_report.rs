@@ -1,6 +1,6 @@
 //! What a registration found, for machines.
 
-use crate::inspecting::InspectionResults;
+use crate::inspection_results::InspectionResults;
 use industrial_geometry::register::{Covariance, Pose, RegisterReport, StepRecord, Support};
 use serde::Serialize;
 
