@@ -4,11 +4,12 @@ use crate::cad::{Choice, Units};
 use crate::error::Error;
 use crate::files;
 use crate::inspecting_pieces;
+use crate::inspection_results::conclude;
 use crate::model::{Loaded, Model};
 use crate::output::{self, DeviationTable, Format, Measured, NAME, Rows};
 use crate::points::Points;
 use crate::progress::Progress;
-use crate::report::{Input, ModelSummary, Options, Output, Report, Results, Timings};
+use crate::report::{Input, ModelSummary, Options, Output, Report, Timings};
 use crate::transform::Transform;
 use crate::wording::{counted, not_finite};
 use industrial_geometry::inspection::html::{self, Page};
@@ -17,7 +18,6 @@ use industrial_geometry::inspection::{
 };
 use industrial_geometry::io::ReadReport;
 use industrial_geometry::mesh::nalgebra::Vector3;
-use serde::Serialize;
 use std::f64::consts::FRAC_PI_2;
 use std::io::BufWriter;
 use std::path::Path;
@@ -209,13 +209,6 @@ pub(crate) fn describe(
     });
 }
 
-/// Puts what was found into the report.
-pub(crate) fn conclude(found: &Inspection, non_finite: usize, report: &mut Report) {
-    let results = InspectionResults::new(found.clone(), non_finite);
-    report.count_points("points", results.points_dropped, results.points_used);
-    report.results = Some(Results::Inspection(Box::new(results)));
-}
-
 /// Makes sure that there are normals where they are needed, and drops them where they are not.
 pub(crate) fn check_normals(job: &Job<'_>, normals: &mut Option<Vec<Vector3<f64>>>) -> Result<(), Error> {
     let angle = job.options.max_angle;
@@ -260,44 +253,6 @@ pub(crate) fn warn_of_unproven(report: &mut Report, job: &Job<'_>, found: &Inspe
             "have normals that point away from that of the nearest place of the model; turn them if they point inwards, or \
              give --max-angle 180 if their sides mean nothing",
         );
-    }
-}
-
-/// What an inspection found, with the names that all commands share.
-#[derive(Debug, Serialize)]
-pub(crate) struct InspectionResults {
-    /// Points that do not count because they are not finite.
-    pub(crate) points_dropped: usize,
-    /// Points that were measured.
-    pub(crate) points_used: usize,
-    /// Root mean square deviation.
-    pub(crate) rms: Option<f64>,
-    /// Largest deviation, without its sign.
-    pub(crate) max: Option<f64>,
-    /// The point that has it, from 0; `null` if no worst points were asked for.
-    pub(crate) max_index: Option<u64>,
-    /// Share of the judged points within the tolerance.
-    pub(crate) share_within: f64,
-    /// Whether that is enough.
-    pub(crate) within_tolerance: bool,
-    /// What the library reports.
-    #[serde(flatten)]
-    pub(crate) found: Inspection,
-}
-
-impl InspectionResults {
-    fn new(found: Inspection, dropped: usize) -> Self {
-        let distance = found.total.distance.as_ref();
-        Self {
-            points_dropped: dropped,
-            points_used: usize::try_from(found.total.count).unwrap_or(usize::MAX),
-            rms: distance.map(|distance| distance.rms),
-            max: distance.map(|distance| distance.max.max(-distance.min)),
-            max_index: found.worst.first().map(|worst| worst.index),
-            share_within: found.verdict.share,
-            within_tolerance: found.verdict.pass,
-            found,
-        }
     }
 }
 

@@ -5,6 +5,7 @@
 
 use crate::error::Error;
 use crate::inspecting::{self, Job};
+use crate::inspection_results::conclude;
 use crate::model::{Loaded, Model};
 use crate::points;
 use crate::progress::Progress;
@@ -132,6 +133,6 @@ pub(crate) fn run(
     inspecting::warn_of_unproven(report, job, &found);
     report.points_per_second = (timings.compute > 0.0).then(|| count as f64 / timings.compute);
     report.timings = timings;
-    inspecting::conclude(&found, read.non_finite, report);
+    conclude(&found, read.non_finite, report);
     Ok(found)
 }

@@ -41,6 +41,7 @@ mod fitting_subdivision;
 mod fitting_surface;
 mod inspecting;
 mod inspecting_pieces;
+mod inspection_results;
 mod interrupt;
 mod memory;
 mod model;

@@ -10,7 +10,7 @@ use crate::fitting_curve::CurveResults;
 use crate::fitting_ruled::RuledResults;
 use crate::fitting_subdivision::SubdivisionResults;
 use crate::fitting_surface::SurfaceResults;
-use crate::inspecting::InspectionResults;
+use crate::inspection_results::InspectionResults;
 use crate::interrupt;
 use crate::on_surface::geodesic::GeodesicResults;
 use crate::on_surface::morphology::MorphologyResults;

@@ -50,7 +50,7 @@ impl Buffer {
             r#"{{"bufferView":{},"componentType":{number},"count":{count},"type":"{kind}"{extra}}}"#,
             self.views.len() - 1
         ));
-        while self.bytes.len() % 4 != 0 {
+        while !self.bytes.len().is_multiple_of(4) {
             self.bytes.push(0);
         }
         self.accessors.len() - 1
@@ -185,7 +185,7 @@ fn assemble(out: &mut dyn Write, buffer: &Buffer, parts: &[String], middle: [f64
         ));
     }
     text.push('}');
-    while text.len() % 4 != 0 {
+    while !text.len().is_multiple_of(4) {
         text.push(' ');
     }
     let binary = if parts.is_empty() { 0 } else { 8 + buffer.bytes.len() };

@@ -24,11 +24,8 @@ pub(crate) fn by_magic(head: &[u8]) -> Option<Format> {
 
 /// Whether the decoder of a format is built in.
 pub(crate) const fn is_built(format: Format) -> bool {
-    match format {
-        Format::Las | Format::Laz => cfg!(feature = "las"),
-        Format::E57 => cfg!(feature = "e57"),
-        _ => false,
-    }
+    (matches!(format, Format::Las | Format::Laz) && cfg!(feature = "las"))
+        || (matches!(format, Format::E57) && cfg!(feature = "e57"))
 }
 
 /// Says that a decoder is not built in.

@@ -10,8 +10,8 @@ use crate::foreign::{DAMAGED, Input};
 use crate::{Error, Place};
 
 /// Bytes of the head of a variable length record, and of an extended one.
-const HEAD: u64 = 54;
-const EXTENDED_HEAD: u64 = 60;
+const HEAD: usize = 54;
+const EXTENDED_HEAD: usize = 60;
 /// Most bytes of a compressed record: the decoder keeps models for each of them.
 pub(super) const MOST_COMPRESSED: u16 = 8192;
 /// Most points per compressed byte. Points that are all the same take one byte for 140.
@@ -98,11 +98,11 @@ pub(super) fn check(input: &mut Input, header: &::las::raw::Header) -> Result<Ch
     let compression = check_records(input, header)?;
     if let Some(extended) = header.evlr {
         let at = extended.start_of_first_evlr;
-        let head: [u8; EXTENDED_HEAD as usize] = bytes(input, at, "the extended record")?;
+        let head: [u8; EXTENDED_HEAD] = bytes(input, at, "the extended record")?;
         let needed = u64_at(&head, 20);
-        if needed > input.length.saturating_sub(at + EXTENDED_HEAD) {
+        if needed > input.length.saturating_sub(at + EXTENDED_HEAD as u64) {
             return Err(truncated(
-                at + EXTENDED_HEAD,
+                at + EXTENDED_HEAD as u64,
                 "bytes of an extended record",
                 needed,
                 needed,
@@ -135,12 +135,12 @@ fn check_records(input: &mut Input, header: &::las::raw::Header) -> Result<Optio
             let count = header.number_of_variable_length_records;
             format!("record {} of {count} between header and points does not fit there", number + 1)
         };
-        if at + HEAD > start {
+        if at + HEAD as u64 > start {
             return Err(malformed(at, what()));
         }
-        let head: [u8; HEAD as usize] = bytes(input, at, "a record behind the header")?;
+        let head: [u8; HEAD] = bytes(input, at, "a record behind the header")?;
         let length = u16_at(&head, 20);
-        if at + HEAD + u64::from(length) > start {
+        if at + HEAD as u64 + u64::from(length) > start {
             return Err(malformed(at, what()));
         }
         let user = head[2..18].split(|&byte| byte == 0).next().unwrap_or_default();
@@ -149,7 +149,7 @@ fn check_records(input: &mut Input, header: &::las::raw::Header) -> Result<Optio
             input.reader.read_exact(&mut data).map_err(|_| malformed(at, "the file ends within a record"))?;
             compression = Some(data);
         }
-        at += HEAD + u64::from(length);
+        at += HEAD as u64 + u64::from(length);
     }
     Ok(compression)
 }

@@ -55,7 +55,8 @@ impl Grid {
             }
         }
         let reach = (high / 2.0 - low / 2.0).max(f64::MIN_POSITIVE);
-        let mut scale = 10f64.powi((reach / MOST).log10().ceil().max(-300.0).min(308.0) as i32);
+        #[expect(clippy::cast_possible_truncation, reason = "limited first")]
+        let mut scale = 10f64.powi((reach / MOST).log10().ceil().clamp(-300.0, 308.0) as i32);
         // The logarithm may be rounded down.
         while reach / scale > MOST && scale < 1e300 {
             scale *= 10.0;

@@ -11,6 +11,7 @@ mod odd_rows;
 mod reference;
 mod round_trip;
 mod scanner_damage;
+mod scanner_writing;
 mod scanners;
 mod sniffing;
 mod tables;
