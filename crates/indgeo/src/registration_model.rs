@@ -262,8 +262,10 @@ impl RegistrationModel {
                     None => OrientedPoints::without_normals(&points).ok(),
                 }
             }
-            Self::Surfaces(_) | Self::Mesh(_) | Self::Cad(_) => self.samples(Path::new("")).ok(),
-            Self::Plane(_) | Self::PlanarCloud(_) | Self::Curves(_) => None,
+            Self::Surfaces(_) | Self::Mesh(_) | Self::Cad(_) | Self::LevelSet(_) => {
+                self.samples(Path::new("")).ok()
+            }
+            Self::Plane(_) | Self::PlanarCloud(_) | Self::PlanarLevelSet(_) | Self::Curves(_) => None,
         }
     }
 

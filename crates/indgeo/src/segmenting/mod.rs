@@ -64,7 +64,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
         picture::check(path)?;
     }
     let mut timings = Timings::default();
-    let points = Timings::measure(&mut timings.read, || Points::read(job.points, false))?;
+    let points = Timings::measure(&mut timings.read, || Points::read(job.points, false, None))?;
     report.add_input(Input::new("points", job.points, &points.report));
     let warnings = &points.report.warnings;
     report.warnings.extend(warnings.iter().map(|warning| format!("{}: {warning}", job.points.display())));
