@@ -24,8 +24,9 @@ const PER_SPAN: usize = 3;
 const FIRST: [usize; 2] = [6, 24];
 /// Cells of the grid for each of the first spans.
 const CELLS: f64 = 24.0;
-/// Factor of the bending energy in least squares starts: enough for spans without points, too little to be seen.
-const BENDING: f64 = 1e-12;
+/// Factor of the bending energy in least squares starts, of curves of one span: enough for spans without points, too little to be seen. It
+/// falls with the fourth power of the number of spans, as the energy of a wiggle of the size of a span grows.
+const BENDING: f64 = 1e-10;
 
 /// What a curve for a contour shall be.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -286,7 +287,8 @@ impl Work<'_> {
         let points: Vec<Vector2<f64>> = self.samples.iter().map(|(_, point)| *point).collect();
         let mut parameters: Vec<f64> = self.samples.iter().map(|(length, _)| length / self.length).collect();
         let knots = self.knots(breaks)?;
-        let mut options = CurveFitOptions::default().with_regularization(BENDING);
+        let spans = (breaks.len() - 1) as f64;
+        let mut options = CurveFitOptions::default().with_regularization(BENDING / spans.powi(4));
         if !self.is_closed
             && let [first, .., last] = points.as_slice()
         {

@@ -181,10 +181,10 @@ fn at_foot(curvature: f64, distance: f64) -> f64 {
 }
 
 /// Foot, unit normal, distance, and minus the Hessian as a share of the gradient, of a signed distance function at a point.
-type FromValues<const D: usize> = (SVector<f64, D>, SVector<f64, D>, f64, SMatrix<f64, D, D>);
+type LocalValues<const D: usize> = (SVector<f64, D>, SVector<f64, D>, f64, SMatrix<f64, D, D>);
 
 impl<const D: usize> LevelSetField<D> {
-    fn from_values(&self, x: &SVector<f64, D>) -> Option<FromValues<D>> {
+    fn local_values(&self, x: &SVector<f64, D>) -> Option<LocalValues<D>> {
         if !x.iter().all(|c| c.is_finite()) {
             return None;
         }
@@ -205,7 +205,7 @@ impl LevelSetField<2> {
     /// ([`Status::Stalled`]) where the gradient vanishes.
     #[must_use]
     pub fn frame_from_values(&self, x: &Vector2<f64>) -> PrincipalFrame<2> {
-        let Some((foot, normal, distance, tensor)) = self.from_values(x) else {
+        let Some((foot, normal, distance, tensor)) = self.local_values(x) else {
             return PrincipalFrame::invalid(Status::Stalled);
         };
         let geometry = of_plane_normal(&tensor, &normal, distance);
@@ -217,7 +217,7 @@ impl LevelSetField<3> {
     /// As in the plane.
     #[must_use]
     pub fn frame_from_values(&self, x: &Vector3<f64>) -> PrincipalFrame<3> {
-        let Some((foot, normal, distance, tensor)) = self.from_values(x) else {
+        let Some((foot, normal, distance, tensor)) = self.local_values(x) else {
             return PrincipalFrame::invalid(Status::Stalled);
         };
         let geometry = of_tensor(&tensor, &normal, distance);

@@ -15,7 +15,7 @@
 //! let speed = vec![1.0; 51 * 51];
 //! evolution.run(&Motion::default().with_propagation(&speed), 0.25)?;
 //! let value = evolution.grid().values()[25 * 51 + 25 + 19];
-//! assert!((value - (19.0 * 0.04 - 0.75)).abs() < 1e-4, "{value}");
+//! assert!((value - (19.0 * 0.04 - 0.75)).abs() < 1e-3, "{value}");
 //! # Ok::<(), level_set::Error>(())
 //! ```
 

@@ -63,8 +63,9 @@ fn flows_are_followed_to_a_high_order() {
 #[test]
 fn spheres_shrink_by_their_mean_curvature() {
     let n = 25;
-    let start = Grid::sample(Vector3::repeat(-1.44), Vector3::repeat(0.12), [n; 3], |p| p.norm_squared() - 1.0)
-        .unwrap();
+    let start =
+        Grid::sample(Vector3::repeat(-1.44), Vector3::repeat(0.12), [n; 3], |p| p.norm_squared() - 1.0)
+            .unwrap();
     let mut evolution = Evolution::new(&start, &EvolutionOptions::default()).unwrap();
     evolution.run(&Motion::default().with_curvature(&vec![1.0; n * n * n]), 0.06).unwrap();
     // r² falls by four times the time.
