@@ -244,6 +244,12 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
             text.push_str(kept);
         }
     }
+    for title in old.lines().filter_map(|line| line.strip_prefix("## ")) {
+        // What is measured by hand, with its command, stays at the end.
+        if MEASUREMENTS.iter().all(|measurement| measurement.title != title) {
+            text.push_str(section_of(&old, title).unwrap_or_default());
+        }
+    }
     std::fs::write(&path, text)
         .map_err(|error| Failure::Failed(format!("{REPORT} cannot be written: {error}")))?;
     println!("written to {REPORT}");

@@ -179,7 +179,8 @@ impl Query<'_> {
         };
         let box_size = spline.surface.control_box().diagonal();
         let farthest = self.reach.min(nearest.distance + 2.0 * box_size) + shift;
-        let factor = (farthest / (x - nearest.point).norm().max(f64::MIN_POSITIVE) * (1.0 + 1e-9)).clamp(1.0, 1e13);
+        let factor =
+            (farthest / (x - nearest.point).norm().max(f64::MIN_POSITIVE) * (1.0 + 1e-9)).clamp(1.0, 1e13);
         let Ok(all) = spline.projector.feet_within(&x, factor, &OPTIONS) else {
             self.lower = self.lower.min(nearest.lower_bound);
             return;
@@ -258,7 +259,13 @@ fn minima(f: impl Fn(f64) -> f64, [a, b]: [f64; 2]) -> Vec<f64> {
         }
         // At an end the search comes as near as rounding allows.
         let middle = 0.5 * (low + high);
-        out.push(if f(a) <= f(middle) && k <= 1 { a } else if f(b) <= f(middle) && k + 1 >= PLACES { b } else { middle });
+        out.push(if f(a) <= f(middle) && k <= 1 {
+            a
+        } else if f(b) <= f(middle) && k + 1 >= PLACES {
+            b
+        } else {
+            middle
+        });
     }
     out
 }

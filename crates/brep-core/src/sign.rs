@@ -40,7 +40,13 @@ pub(crate) fn side(offset: &Vector3<f64>, normal: &Vector3<f64>) -> Side {
 
 impl Part {
     /// Normal of a face at a point of one of its edges.
-    pub(crate) fn normal_at(&self, face: usize, use_index: usize, t: f64, point: &Vector3<f64>) -> Vector3<f64> {
+    pub(crate) fn normal_at(
+        &self,
+        face: usize,
+        use_index: usize,
+        t: f64,
+        point: &Vector3<f64>,
+    ) -> Vector3<f64> {
         let f = &self.faces[face];
         let chords = f.boundary.chords.iter().filter(|c| c.owner == Some(use_index));
         let near = chords.min_by(|a, b| {

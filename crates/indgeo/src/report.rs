@@ -3,8 +3,8 @@
 use crate::aligning::AlignmentResults;
 use crate::commands::Outcome;
 use crate::commands::convert::ConvertResults;
-use crate::error::Error;
 use crate::contour::ContourResults;
+use crate::error::Error;
 use crate::field::FieldResults;
 use crate::fitting_curve::CurveResults;
 use crate::fitting_ruled::RuledResults;

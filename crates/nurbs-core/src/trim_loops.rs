@@ -127,9 +127,9 @@ impl TrimLoops {
 
 fn crossings_of(vertices: &[[f64; 2]], v: f64) -> impl Iterator<Item = f64> {
     let edges = vertices.iter().zip(vertices.iter().cycle().skip(1));
-    edges.filter_map(move |(a, b)| {
-        ((a[1] > v) != (b[1] > v)).then(|| a[0] + (v - a[1]) / (b[1] - a[1]) * (b[0] - a[0]))
-    })
+    edges
+        .filter(move |(a, b)| (a[1] > v) != (b[1] > v))
+        .map(move |(a, b)| a[0] + (v - a[1]) / (b[1] - a[1]) * (b[0] - a[0]))
 }
 
 fn is_inside(vertices: &[[f64; 2]], u: f64, v: f64) -> bool {

@@ -51,7 +51,7 @@ pub(crate) fn propose(cloud: &Cloud<'_>, regions: &mut Vec<Region>, labels: &mut
             })
             .collect();
         // The order of the centres breaks ties.
-        proposals.sort_by(|a, b| b.score.cmp(&a.score));
+        proposals.sort_by_key(|proposal| std::cmp::Reverse(proposal.score));
         let mut accepted = 0;
         for proposal in proposals {
             let open = proposal.support.iter().filter(|&&i| labels[i as usize] == NONE).count();

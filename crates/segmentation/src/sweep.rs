@@ -184,10 +184,10 @@ pub(crate) fn decide_sweep(
     }
     let limit = 1.05 * limit(sigma, some.len());
     for start in starts {
-        if let Some((sweep, value)) = refine(&start, &some, sigma, extent) {
-            if value < limit {
-                return Some((sweep, value));
-            }
+        if let Some((sweep, value)) = refine(&start, &some, sigma, extent)
+            && value < limit
+        {
+            return Some((sweep, value));
         }
     }
     None

@@ -55,7 +55,8 @@ fn faces_of_a_box_count_up_to_their_edges() {
         for (i, size) in [3.0, 2.0, 1.0].into_iter().enumerate() {
             for (side, sign) in [(0.0, -1.0), (size, 1.0)] {
                 if facing.agrees(&(Vector3::ith(i, sign))) {
-                    let mut nearest = Vector3::new(x.x.clamp(0.0, 3.0), x.y.clamp(0.0, 2.0), x.z.clamp(0.0, 1.0));
+                    let mut nearest =
+                        Vector3::new(x.x.clamp(0.0, 3.0), x.y.clamp(0.0, 2.0), x.z.clamp(0.0, 1.0));
                     nearest[i] = side;
                     expected = expected.min((x - nearest).norm());
                 }

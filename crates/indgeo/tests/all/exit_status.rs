@@ -173,7 +173,7 @@ fn schemas_share_one_form() {
         .collect();
     let help = Bench::new().run("--help").stdout;
     let listed = |command: &str| help.lines().any(|line| line.split_whitespace().next() == Some(command));
-    assert_eq!(schemas.len(), 17);
+    assert_eq!(schemas.len(), 19);
     for (command, schema) in &schemas {
         assert!(listed(command), "{command}");
         assert_eq!(schema["properties"]["command"]["const"], command.as_str());

@@ -35,7 +35,7 @@ fn what_a_format_cannot_hold_is_told() {
     bench.put("model.json", SQUARE);
     let run = bench.run("convert cube.off cube.json");
     assert_eq!(run.code, 2);
-    assert!(run.stderr.contains("choose ply, stl, obj or off"), "{}", run.stderr);
+    assert!(run.stderr.contains("choose ply, stl, obj, off or glb"), "{}", run.stderr);
     assert!(!bench.path("cube.json").exists());
 }
 

@@ -275,7 +275,10 @@ fn a_cad_sheet_is_judged_by_the_face_it_was_scanned_from() {
     assert_eq!(run.code, 0, "{}", run.stderr);
     assert_near(&distances(&bench), &right, "project");
     // Beside the sheet the front ends at its edge; no face looks into a slanting direction.
-    bench.put("scan.csv", "x,y,z,nx,ny,nz\n-0.1,30,-0.3,0,0,1\n50,30,-0.6,0,0,-2\n50,30,0.1,1,1,1\n50,30,0.1,0,0,0\n");
+    bench.put(
+        "scan.csv",
+        "x,y,z,nx,ny,nz\n-0.1,30,-0.3,0,0,1\n50,30,-0.6,0,0,-2\n50,30,0.1,1,1,1\n50,30,0.1,0,0,0\n",
+    );
     let run = bench.run("project sheet.step scan.csv -o out.csv --max-angle 45");
     assert_eq!(run.code, 1, "{}", run.stderr);
     assert_near(&distances(&bench), &[-0.1f64.hypot(0.3), 0.1, f64::NAN, f64::NAN], "beside");

@@ -58,7 +58,8 @@ impl BrepNominal {
             Some(facing) if !(matches!(nearest.on, On::Face { .. }) && facing.agrees(&nearest.normal)) => {
                 match self.model.nearest_facing(&point.coords, facing) {
                     Some(foot) => {
-                        let is_restricted = foot.distance > nearest.distance * (1.0 + SAME) + SAME * self.size();
+                        let is_restricted =
+                            foot.distance > nearest.distance * (1.0 + SAME) + SAME * self.size();
                         Deviation { is_restricted, ..self.deviation(&foot) }
                     }
                     None => Deviation::none(Outcome::NoMatchingFoot),

@@ -57,7 +57,7 @@ fn damaged(whole: &[u8], round: usize, is_e57: bool, random: &mut Random) -> Vec
             }
         }
     }
-    if is_e57 && round % 5 != 0 { sealed(data) } else { data }
+    if is_e57 && !round.is_multiple_of(5) { sealed(data) } else { data }
 }
 
 #[test]

@@ -82,7 +82,8 @@ pub fn fit_curve_to_model_with_progress<const D: usize>(
     };
     let closed = curve.knots().is_periodic();
     let target = Target::Model { field, sensors, boundary: true };
-    let fitted = fit_with_progress(ActiveCurve::new(curve)?, target, &Constraints::none(), &fit, progress)?;
+    let held = ends_held(&curve);
+    let fitted = fit_with_progress(ActiveCurve::new(curve)?, target, &held, &fit, progress)?;
     let finite = (0..samples.len()).filter(|&i| samples[i].iter().all(|c| c.is_finite())).collect();
     let (kept, astray) = without_astray(samples, finite);
     let centre = centre(samples, &kept);
@@ -101,4 +102,15 @@ pub fn fit_curve_to_model_with_progress<const D: usize>(
         &cloud,
         Origin { closed, closure: Closure::Start, start: CurveStart::Given, lost: false },
     )
+}
+
+/// The ends of an open curve stay where they are: nothing in the distances from a model keeps a curve from becoming a piece of it.
+fn ends_held<const D: usize>(curve: &BsplineCurve<D>) -> Constraints<D> {
+    let points = curve.control_points();
+    match points {
+        [first, .., last] if !curve.knots().is_periodic() => {
+            Constraints::none().with_held(0, *first).with_held(points.len() - 1, *last)
+        }
+        _ => Constraints::none(),
+    }
 }

@@ -1,6 +1,6 @@
 //! Surfaces fitted to models: distances from sensor points of the surface, orthogonal to the model.
 
-use super::fit::{Run, SurfaceFit, SurfaceOptions, concluded};
+use super::fit::{Run, SurfaceFit, SurfaceOptions, concluded, fit_surface_with_progress};
 use super::initial::initial_surface;
 use super::judge::surface_frames;
 use super::runs::{Outcome, Runs};
@@ -66,17 +66,24 @@ pub fn fit_surface_to_model_with_progress(
     progress: Progress<'_>,
 ) -> Result<SurfaceFit, Error> {
     options.check()?;
+    let mut begun_with = None;
     let (surface, base) = match initial {
         Some(surface) => (surface, None),
         None => {
             let start = initial_surface(samples, options.base, options.size)?;
-            (start.surface, Some(start.base))
+            // The surface through the samples reaches to the ends of the model.
+            let mut through = fit_surface_with_progress(samples, start.surface, options, progress)?;
+            through.report.base = Some(start.base);
+            let surface = through.surface.clone();
+            begun_with = Some(through);
+            (surface, Some(start.base))
         }
     };
     if surface.weights().is_some() {
         return Err(Error::Rational);
     }
-    let mut begun = *options;
+    // The boundary stays: nothing in the distances from a model keeps a surface from becoming a piece of it.
+    let mut begun = options.with_fixed_boundary(true);
     if let Smoothing::Automatic { .. } = options.fit.smoothing {
         begun.fit.smoothing = Smoothing::Continuation { start: FIRST, factor: LESS, floor: LEAST };
     }
@@ -85,6 +92,10 @@ pub fn fit_surface_to_model_with_progress(
     let Outcome { fitted, folds } = runs.run(surface)?;
     (1..).zip(&mut runs.history).for_each(|(number, step)| step.iteration = number);
     let report = FitReport { history: runs.history, initial_rms: runs.initial_rms, ..fitted.report };
+    // What is no nearer to the model than it was at the start is not kept.
+    if let Some(through) = begun_with.filter(|_| report.rms.is_nan() || report.rms >= report.initial_rms) {
+        return Ok(through);
+    }
     let surface = fitted.shape.into_surface();
     let frames = surface_frames(&surface, samples)?;
     let run = Run { runs: runs.count, folds };
