@@ -10,6 +10,7 @@ use crate::registration_field::RegistrationField;
 use crate::registration_model::RegistrationModel;
 use crate::report::{Input, Report, Results, Timings};
 use crate::surface_judgement::Judgement;
+use crate::surface_start::{Refusal, from_cloud};
 use crate::wording::counted;
 use industrial_geometry::fit::{
     Error as FitError, StepRecord, SurfaceDistances, fit_surface_to_model_with_progress, with_controls,
@@ -38,17 +39,33 @@ pub(crate) fn run(job: &Job<'_>, sensors: usize, report: &mut Report) -> Result<
     let progress = Progress::iterations("fitting", job.quiet);
     let most = job.options.fit.max_iterations;
     let tell = |step: &StepRecord| told(&progress, step, most);
-    let found = Timings::measure(&mut report.timings.compute, || {
-        let start = match (start, job.controls) {
-            (Some(start), Some(controls)) => Some(with_controls(start, controls)?),
-            (start, _) => start,
+    let failed = |error: FitError| refused(job, &error);
+    let found = Timings::measure(&mut report.timings.compute, || -> Result<_, Error> {
+        // Without a start the surface through the samples is one, which reaches to the ends of the model.
+        let (start, through) = match (start, job.controls) {
+            (Some(start), Some(controls)) => (with_controls(start, controls).map_err(failed)?, None),
+            (Some(start), None) => (start, None),
+            (None, _) => {
+                let found = from_cloud(&samples, &job.options, job.controls.is_some(), &tell);
+                let (surface, fitted, _) = found.map_err(|refusal| match refusal {
+                    Refusal::Fit(error) => failed(error),
+                    Refusal::Points(error) => {
+                        Error::content(job.points, error.to_string(), "give a start (--init)")
+                    }
+                })?;
+                (surface.clone(), Some((surface, fitted)))
+            }
         };
-        fit_surface_to_model_with_progress(field.as_ref(), &samples, start, sensors, &job.options, &tell)
+        let start = Some(start);
+        let found =
+            fit_surface_to_model_with_progress(field.as_ref(), &samples, start, sensors, &job.options, &tell)
+                .map_err(failed)?;
+        let is_nearer = found.report.fit.rms < found.report.fit.initial_rms;
+        // What is no nearer to the model than the start is not kept.
+        Ok(through.filter(|_| !is_nearer).unwrap_or((found.surface, found.report)))
     });
     drop(progress);
-    let failed = |error: FitError| refused(job, &error);
-    let found = found.map_err(failed)?;
-    let (surface, fitted) = (found.surface, found.report);
+    let (surface, fitted) = found?;
     if fitted.folds.count() > 0 {
         report.warnings.push(format!(
             "the surface folds back on itself in {} of {}; take fewer control points or a larger --smoothing",
