@@ -1,7 +1,7 @@
 //! Local quadrics: normals with their own standard deviations, curvatures and residuals of every point.
 
+use crate::parallel;
 use nalgebra::{Matrix3, Point3, SMatrix, SVector, SymmetricEigen, Vector3};
-use rayon::prelude::*;
 
 use crate::graph::Graph;
 
@@ -156,15 +156,12 @@ const FEW: usize = 16;
 impl Jets {
     /// Fits all quadrics.
     pub(crate) fn new(points: &[Point3<f64>], graph: &Graph) -> Self {
-        let jets = (0..points.len())
-            .into_par_iter()
-            .map(|i| {
-                let patch: Vec<Point3<f64>> = std::iter::once(points[i])
-                    .chain(graph.near(i).iter().take(FEW - 1).map(|&j| points[j as usize]))
-                    .collect();
-                Jet::fit(&patch)
-            })
-            .collect();
+        let jets = parallel::map(points.len(), |i| {
+            let patch: Vec<Point3<f64>> = std::iter::once(points[i])
+                .chain(graph.near(i).iter().take(FEW - 1).map(|&j| points[j as usize]))
+                .collect();
+            Jet::fit(&patch)
+        });
         Self { jets, normals: Vec::new() }
     }
 
@@ -183,32 +180,27 @@ impl Jets {
     /// Normals: of the point's own neighbourhood where its residual agrees with the noise, else of the best neighbourhood of a
     /// neighbour that holds the point, so that edges do not bend them.
     pub(crate) fn find_normals(&mut self, points: &[Point3<f64>], graph: &Graph, sigma: f64) {
-        self.normals = (0..points.len())
-            .into_par_iter()
-            .map(|i| {
-                let own = self.jets[i].as_ref();
-                if let Some(jet) = own.filter(|jet| jet.residual < CLEAN * sigma) {
-                    return PointNormal { normal: jet.normal(), deviation: jet.normal_deviation(sigma) };
+        self.normals = parallel::map(points.len(), |i| {
+            let own = self.jets[i].as_ref();
+            if let Some(jet) = own.filter(|jet| jet.residual < CLEAN * sigma) {
+                return PointNormal { normal: jet.normal(), deviation: jet.normal_deviation(sigma) };
+            }
+            let mut best: Option<(f64, PointNormal)> = None;
+            for &j in graph.near(i).iter().take(FEW) {
+                let Some(jet) = &self.jets[j as usize] else { continue };
+                if jet.residual >= CLEAN * sigma || best.is_some_and(|(least, _)| jet.residual >= least) {
+                    continue;
                 }
-                let mut best: Option<(f64, PointNormal)> = None;
-                for &j in graph.near(i).iter().take(FEW) {
-                    let Some(jet) = &self.jets[j as usize] else { continue };
-                    if jet.residual >= CLEAN * sigma || best.is_some_and(|(least, _)| jet.residual >= least) {
-                        continue;
-                    }
-                    let (height, normal, away) = jet.at(&points[i]);
-                    if away <= 1.0 && height.abs() < 3.0 * sigma {
-                        let deviation = jet.normal_deviation(sigma) * (1.0 + 2.0 * away);
-                        best = Some((jet.residual, PointNormal { normal, deviation }));
-                    }
+                let (height, normal, away) = jet.at(&points[i]);
+                if away <= 1.0 && height.abs() < 3.0 * sigma {
+                    let deviation = jet.normal_deviation(sigma) * (1.0 + 2.0 * away);
+                    best = Some((jet.residual, PointNormal { normal, deviation }));
                 }
-                let unknown = PointNormal {
-                    normal: own.map_or(Vector3::zeros(), Jet::normal),
-                    deviation: f64::INFINITY,
-                };
-                best.map_or(unknown, |(_, normal)| normal)
-            })
-            .collect();
+            }
+            let unknown =
+                PointNormal { normal: own.map_or(Vector3::zeros(), Jet::normal), deviation: f64::INFINITY };
+            best.map_or(unknown, |(_, normal)| normal)
+        });
     }
 }
 

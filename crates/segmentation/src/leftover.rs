@@ -5,13 +5,13 @@
 //! draws restricted to neighbours).
 
 use nalgebra::{Point3, Vector3};
-use rayon::prelude::*;
 
 use crate::carrier::{Carrier, cylindrical};
 use crate::decide::{circle, circle_about, limit, sphere_start};
 use crate::graph::as_index;
 use crate::grow::{Cloud, NONE, Region, Scratch, spread};
 use crate::least_squares::refine;
+use crate::parallel;
 use crate::trend::is_systematic;
 
 /// Points of a neighbourhood of unlabelled points.
@@ -40,16 +40,10 @@ pub(crate) fn propose(cloud: &Cloud<'_>, regions: &mut Vec<Region>, labels: &mut
         free = free.into_iter().skip(round % stride).step_by(stride).collect();
         let fixed: &[u32] = labels;
         let known: &[Region] = regions;
-        let mut proposals: Vec<Proposal> = free
-            .par_chunks(64)
-            .flat_map_iter(|centres| {
-                let mut scratch = Scratch::new(fixed.len());
-                centres
-                    .iter()
-                    .filter_map(|&c| best_at(cloud, known, fixed, c, &mut scratch))
-                    .collect::<Vec<_>>()
-            })
-            .collect();
+        let mut proposals: Vec<Proposal> = parallel::flat_chunks(&free, |centres| {
+            let mut scratch = Scratch::new(fixed.len());
+            centres.iter().filter_map(|&c| best_at(cloud, known, fixed, c, &mut scratch)).collect()
+        });
         // The order of the centres breaks ties.
         proposals.sort_by_key(|proposal| std::cmp::Reverse(proposal.score));
         let mut accepted = 0;

@@ -31,6 +31,7 @@ mod least_squares;
 mod leftover;
 mod merge;
 mod options;
+mod parallel;
 mod report;
 mod segment;
 mod smooth;

@@ -17,6 +17,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("inspection", &["nurbs-core", "mesh-core", "footpoint", "brep-core", "distance-field"]),
     ("cloud-param", &["nurbs-core", "mesh-core", "footpoint", "sdm-fit"]),
     ("feature-metric", &["nurbs-core", "mesh-core", "distance-field"]),
+    ("segmentation", &["mesh-core"]),
     ("level-set", &["nurbs-core", "mesh-core", "footpoint", "distance-field", "sdm-fit"]),
     (
         "industrial-geometry",
@@ -33,6 +34,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "inspection",
             "cloud-param",
             "feature-metric",
+            "segmentation",
             "level-set",
         ],
     ),
