@@ -35,7 +35,7 @@ const BEYOND: f64 = 0.01;
 ///
 /// let corners = [[0.0, 0.0], [1.0, 2.0], [3.0, 2.0], [4.0, 0.0], [6.0, 1.0]].map(Vector2::from);
 /// let model = BsplineCurve::new(KnotVector::uniform_clamped(2, 5)?, corners.to_vec(), None)?;
-/// let samples: Vec<_> = (0..200).map(|k| model.point(f64::from(k) / 199.0)).collect();
+/// let samples: Vec<_> = (0..2000).map(|k| model.point(f64::from(k) / 1999.0)).collect();
 /// let options = CurveOptions::default().with_controls(Some(9));
 /// let found = fit_curve_to_model(&CurveField::new(&model)?, &samples, None, 6, &options)?;
 /// assert!(found.report.covered && found.report.max < 0.02, "{}", found.report);
