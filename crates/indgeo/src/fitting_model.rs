@@ -3,19 +3,17 @@
 use crate::cad::Choice;
 use crate::error::Error;
 use crate::fit_numbers::{FitNumbers, FitVerdict, Within, told};
-use crate::fitting_input::{check_paths, put_model, start_surface, warn_incomplete};
-use crate::fitting_surface::{Job, SurfaceResults, refused};
+use crate::fitting_input::{check_paths, start_surface, warn_incomplete};
+use crate::fitting_surface::{Job, SurfaceResults, put_surface, refused};
 use crate::progress::Progress;
 use crate::registration_field::RegistrationField;
 use crate::registration_model::RegistrationModel;
 use crate::report::{Input, Report, Results, Timings};
 use crate::surface_judgement::Judgement;
 use crate::surface_start::{Refusal, from_cloud};
-use crate::wording::counted;
 use industrial_geometry::fit::{
     Error as FitError, StepRecord, SurfaceDistances, fit_surface_to_model_with_progress, with_controls,
 };
-use industrial_geometry::io::Model;
 use industrial_geometry::mesh::nalgebra::Vector3;
 use std::path::Path;
 
@@ -66,19 +64,7 @@ pub(crate) fn run(job: &Job<'_>, sensors: usize, report: &mut Report) -> Result<
     });
     drop(progress);
     let (surface, fitted) = found?;
-    if fitted.folds.count() > 0 {
-        report.warnings.push(format!(
-            "the surface folds back on itself in {} of {}; take fewer control points or a larger --smoothing",
-            fitted.folds.count(),
-            counted(fitted.folds.cells, "cell")
-        ));
-    }
-    if let Some(path) = job.out {
-        let content = format!("B-spline surface, {} × {}", fitted.controls[0], fitted.controls[1]);
-        let mut model = Model::default();
-        model.push_trimmed(surface.clone(), fitted.trim.clone(), None);
-        put_model(path, model, job.cad, content, report)?;
-    }
+    put_surface(job, &surface, &fitted, report)?;
     // The other direction: what of the model the surface does not reach.
     let back = SurfaceDistances::of(&surface, &samples, job.options.fit.robust).map_err(failed)?;
     let judged = |coverage| Judgement::of(&samples, &back, coverage, None, job.options.fit.robust);

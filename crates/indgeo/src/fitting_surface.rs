@@ -15,9 +15,10 @@ use crate::wording::counted;
 use industrial_geometry::cloud_param::Error as ParameterError;
 use industrial_geometry::fit::{
     BaseShape, Error as FitError, Folds, StepRecord, SurfaceCoverage, SurfaceDistances, SurfaceOptions,
-    fit_surface_with_progress, with_controls,
+    SurfaceReport, fit_surface_with_progress, with_controls,
 };
 use industrial_geometry::io::Model;
+use industrial_geometry::nurbs::BsplineSurface;
 use serde::Serialize;
 use std::path::Path;
 
@@ -112,19 +113,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Erro
     if let Some(start) = &from {
         start.warn(job.points, report);
     }
-    if fitted.folds.count() > 0 {
-        report.warnings.push(format!(
-            "the surface folds back on itself in {} of {}; take fewer control points or a larger --smoothing",
-            fitted.folds.count(),
-            counted(fitted.folds.cells, "cell")
-        ));
-    }
-    if let Some(path) = job.out {
-        let content = format!("B-spline surface, {} × {}", fitted.controls[0], fitted.controls[1]);
-        let mut model = Model::default();
-        model.push_trimmed(surface.clone(), fitted.trim.clone(), None);
-        put_model(path, model, job.cad, content, report)?;
-    }
+    put_surface(job, &surface, &fitted, report)?;
     let judgement = match &from {
         Some(start) => start.judgement(),
         None => {
@@ -173,4 +162,27 @@ pub(crate) fn refused(job: &Job<'_>, error: &FitError) -> Error {
         FitError::Shape(_) => Error::usage(error.to_string(), "see `indgeo fit-surface --help`"),
         _ => Error::content(job.points, error.to_string(), "check it with `indgeo info`"),
     }
+}
+
+/// Says where the surface folds, and writes it with the outline of its data.
+pub(crate) fn put_surface(
+    job: &Job<'_>,
+    surface: &BsplineSurface,
+    fitted: &SurfaceReport,
+    report: &mut Report,
+) -> Result<(), Error> {
+    if fitted.folds.count() > 0 {
+        report.warnings.push(format!(
+            "the surface folds back on itself in {} of {}; take fewer control points or a larger --smoothing",
+            fitted.folds.count(),
+            counted(fitted.folds.cells, "cell")
+        ));
+    }
+    if let Some(path) = job.out {
+        let content = format!("B-spline surface, {} × {}", fitted.controls[0], fitted.controls[1]);
+        let mut model = Model::default();
+        model.push_trimmed(surface.clone(), fitted.trim.clone(), None);
+        put_model(path, model, job.cad, content, report)?;
+    }
+    Ok(())
 }

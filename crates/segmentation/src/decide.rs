@@ -217,19 +217,25 @@ fn cone_starts(points: &[Point3<f64>], normals: &[PointNormal], fields: Option<&
     lines.iter().filter_map(|(point, axis)| line_about(points, point, axis)).collect()
 }
 
+/// Heights and radii of points about an axis.
+fn profile<'a>(
+    points: &'a [Point3<f64>],
+    point: &'a Point3<f64>,
+    axis: &'a Vector3<f64>,
+) -> impl Iterator<Item = (f64, f64)> + 'a {
+    points.iter().map(move |p| {
+        let (h, r, _) = cylindrical(p, point, axis);
+        (h, r)
+    })
+}
+
 /// The cone about a given axis whose generator is the line of regression.
 pub(crate) fn line_about(
     points: &[Point3<f64>],
     point: &Point3<f64>,
     axis: &Vector3<f64>,
 ) -> Option<Carrier> {
-    let flat: Vec<(f64, f64)> = points
-        .iter()
-        .map(|p| {
-            let (h, r, _) = cylindrical(p, point, axis);
-            (h, r)
-        })
-        .collect();
+    let flat: Vec<(f64, f64)> = profile(points, point, axis).collect();
     let n = flat.len() as f64;
     let (mh, mr) = flat.iter().fold((0.0, 0.0), |(a, b), (h, r)| (a + h / n, b + r / n));
     let (mut hh, mut hr, mut rr) = (0.0, 0.0, 0.0);
@@ -260,13 +266,7 @@ pub(crate) fn tube_about(
     point: &Point3<f64>,
     axis: &Vector3<f64>,
 ) -> Option<Carrier> {
-    let flat: Vec<(f64, f64)> = points
-        .iter()
-        .map(|p| {
-            let (h, r, _) = cylindrical(p, point, axis);
-            (r, h)
-        })
-        .collect();
+    let flat: Vec<(f64, f64)> = profile(points, point, axis).map(|(h, r)| (r, h)).collect();
     let (radius, h, minor) = circle(&flat)?;
     (radius > 0.0).then(|| Carrier::Torus { centre: point + axis * h, axis: *axis, radius, minor })
 }
