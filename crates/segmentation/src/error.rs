@@ -30,7 +30,7 @@ pub enum Error {
         what: &'static str,
     },
     /// Points too near or too far for squares of distances.
-    #[error("the cloud has the size {size}, but sizes must lie between 1e-100 and 1e100; scale the points")]
+    #[error("the cloud has the size {size:e}, but sizes must lie between 1e-100 and 1e100; scale the points")]
     Magnitude {
         /// Largest extent along an axis.
         size: f64,
