@@ -14,6 +14,7 @@
 //! | triangle meshes | [`MeshField`] | exact | 2 ([`MeshGeometry::Smooth`]), 1 and 0 on boundaries |
 //! | Loop subdivision surfaces | [`LoopField`] | exact, not certified | 2 inside, 1 on the boundary |
 //! | dense clouds | [`CloudField`] | on quadrics at the points | 2 |
+//! | noisy clouds | [`MlsField`] | on a moving least squares surface | 2 |
 //! | adaptively sampled distances | [`adaptive::AdaptiveField`] | within their tolerance | 2 in space, 1 in the plane |
 //! | level sets on grids | [`LevelSetField`] | exact for the spline through the values | 2 in space, 1 in the plane |
 //! | offsets of these | [`OffsetField`] | on the normals of the shape | all |
@@ -62,11 +63,13 @@ mod error;
 mod field;
 mod frame;
 pub mod grid;
+mod implicit;
 mod kernel;
 mod level_set;
 mod local_geometry;
 mod loop_surface;
 mod mesh;
+mod mls;
 mod offset;
 mod osculating;
 mod parallel;
@@ -90,6 +93,7 @@ pub use kernel::Kernel;
 pub use level_set::{Grid, LevelSetField, Saddles};
 pub use loop_surface::LoopField;
 pub use mesh::{MeshField, MeshGeometry, MeshOptions};
+pub use mls::{MlsField, MlsOptions};
 pub use offset::OffsetField;
 pub use planar_cloud::PlanarCloudField;
 pub use quadratic::QuadraticModel;

@@ -1,6 +1,7 @@
 //! An adaptively sampled distance as the distance field of its zero set.
 
 use super::AdaptiveField;
+use crate::implicit::{LagrangeStep, Taylor};
 use crate::local_geometry::{of_plane_normal, of_tensor};
 use crate::{DistanceField, Hint, PrincipalFrame, Search};
 use footpoint::Status;
@@ -36,34 +37,24 @@ impl<const D: usize> AdaptiveField<D> {
         let mut last = f64::INFINITY;
         for step in 0..=MAX_STEPS {
             let (value, gradient, hessian) = self.taylor(&point)?;
-            let slope = gradient.norm();
-            let normal = gradient / slope;
+            let taylor = Taylor { value, gradient, hessian };
+            let LagrangeStep { normal, across, step: move_by, .. } = taylor.lagrange_step(&(x - point));
             if !normal.iter().all(|c| c.is_finite()) {
                 return None;
             }
-            let residual = x - point;
-            let height = residual.dot(&normal);
-            let across = -value / slope;
-            let along = residual - normal * height;
-            let tangent = SMatrix::<f64, D, D>::identity() - normal * normal.transpose();
-            let bend = hessian * (height / slope);
-            let matrix = tangent * (SMatrix::identity() + bend) * tangent + normal * normal.transpose();
-            let right = along - tangent * (bend * normal) * across;
-            let side = matrix.cholesky().map_or(along, |factor| tangent * factor.solve(&right));
-            let move_by = side + normal * across;
             let size = move_by.norm();
             let is_settled = size <= SETTLED * self.abs_tolerance;
             // Between leaves the iteration may go to and fro within their errors.
             let is_at_rest = size <= self.abs_tolerance && size > 0.5 * last;
             if is_settled || is_at_rest || step == MAX_STEPS {
-                let tensor = hessian * (-1.0 / slope);
+                let tensor = taylor.tensor();
                 let is_settled = is_settled || is_at_rest;
                 return Some(Foot { point: point + normal * across, normal, tensor, is_settled });
             }
             last = size;
             let next = self.inside(&(point + move_by));
             if next == point {
-                let tensor = hessian * (-1.0 / slope);
+                let tensor = taylor.tensor();
                 return Some(Foot { point, normal, tensor, is_settled: false });
             }
             point = next;

@@ -1,9 +1,10 @@
 //! The foot of a point on the zero set of a spline.
 
 use super::grid::Grid;
-use super::spline::{GridSpline, Taylor};
+use super::spline::GridSpline;
+use crate::implicit::{LagrangeStep, Taylor};
 use footpoint::Status;
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SVector;
 
 /// Limit of the iteration to a foot.
 const MAX_STEPS: usize = 40;
@@ -61,23 +62,11 @@ impl<const D: usize> ZeroSet<'_, D> {
             if !steep {
                 return Foot { place, taylor, status: Status::Stalled };
             }
-            let normal = taylor.gradient / slope;
             let residual = x - self.grid.point(&place);
-            let height = residual.dot(&normal);
-            let across = -taylor.value / slope;
-            let along = residual - normal * height;
+            let LagrangeStep { along, across, mut step, .. } = taylor.lagrange_step(&residual);
             if along.norm().max(across.abs()) <= SETTLED * (self.size + residual.norm()) {
                 return Foot { place, taylor, status: Status::Converged };
             }
-            // Of the Hessian of the Lagrangian I + μ ∇²f, μ = height / |∇f|, only the tangent part counts; the normal part
-            // of the step is that to the tangent plane of the level set.
-            let tangent = SMatrix::<f64, D, D>::identity() - normal * normal.transpose();
-            let bend = taylor.hessian * (height / slope);
-            let matrix = tangent * (SMatrix::identity() + bend) * tangent + normal * normal.transpose();
-            let right = along - tangent * (bend * normal) * across;
-            // Beyond a centre of curvature there is no minimum to go to: then as on a plane.
-            let step = matrix.cholesky().map_or(along, |factor| tangent * factor.solve(&right));
-            let mut step = step + normal * across;
             let length = step.norm();
             if !length.is_finite() {
                 return Foot { place, taylor, status: Status::Diverged };

@@ -4,15 +4,8 @@
 //! border, twice continuously differentiable.
 
 use super::grid::Grid;
+use crate::implicit::Taylor;
 use nalgebra::{SMatrix, SVector};
-
-/// Value, gradient and Hessian.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Taylor<const D: usize> {
-    pub(crate) value: f64,
-    pub(crate) gradient: SVector<f64, D>,
-    pub(crate) hessian: SMatrix<f64, D, D>,
-}
 
 /// Coefficients of the spline; in each direction two more than nodes.
 #[derive(Clone, Debug)]

@@ -11,6 +11,7 @@ mod d2_tree;
 mod grid;
 mod level_set;
 mod mesh;
+mod mls;
 mod planar_cloud;
 mod redistance;
 mod surface;
