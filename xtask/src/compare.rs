@@ -2,10 +2,11 @@
 //!
 //! The script `xtask/compare/fitpack.py` fits the clouds of `fixtures/fit-cases` and measures orthogonal distances; `PYTHON` names the
 //! interpreter, in which scipy must be installed. `cargo xtask compare readers` compares coordinates of files instead, `cargo xtask compare cad`
-//! CAD files.
+//! CAD files, and `cargo xtask compare registration` registrations by Open3D beside ours.
 
 mod cad;
 mod readers;
+mod registration;
 
 use crate::{Failure, workspace};
 use nalgebra::SVector;
@@ -22,6 +23,9 @@ const INSTALL: &str =
 pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     if arguments.first().is_some_and(|argument| argument == "readers") && arguments.len() <= 2 {
         return readers::run(arguments.get(1));
+    }
+    if arguments.first().is_some_and(|argument| argument == "registration") && arguments.len() <= 2 {
+        return registration::run(arguments.get(1));
     }
     if arguments == ["cad"] {
         return cad::run();

@@ -77,7 +77,12 @@ pub struct MeshField {
     /// Second fundamental form and normal per vertex; empty for the exact geometry, zero where there is none.
     forms: Vec<(Matrix3<f64>, Vector3<f64>)>,
     bounds: Aabb<3>,
+    /// How far beyond the nearest triangle others are looked for, so that feet of queries that move a little are known.
+    wanted_slack: f64,
 }
+
+/// Triangles beyond the nearest one are looked for up to this share of the side of a mean triangle: a few more are looked at.
+const SLACK: f64 = 0.25;
 
 /// Where a mesh ends.
 #[derive(Clone, Debug)]
@@ -115,7 +120,10 @@ impl MeshField {
         let finite = positions.iter().map(|p| &p.coords).filter(|p| p.iter().all(|c| c.is_finite()));
         let bounds = Aabb::of_points(finite).unwrap_or_else(|| Aabb::of_point(Vector3::zeros()));
         let triangles = mesh.triangles().to_vec();
-        Ok(Self { projector, boundary: Boundary::new(mesh), positions, triangles, forms, bounds })
+        let area = mesh.area() / triangles.len().max(1) as f64;
+        let wanted_slack = if area.is_finite() { SLACK * area.sqrt() } else { 0.0 };
+        let boundary = Boundary::new(mesh);
+        Ok(Self { projector, boundary, positions, triangles, forms, bounds, wanted_slack })
     }
 
     /// The projector that finds the feet.
@@ -230,9 +238,21 @@ impl Boundary {
 
 impl MeshField {
     /// The frame of a query; which triangle the search begins with does not change it.
-    fn frame_from(&self, x: &Vector3<f64>, guess: Option<usize>) -> PrincipalFrame<3> {
-        let foot = match self.projector.project_near(&Point3::from(*x), guess) {
-            Ok(foot) => foot,
+    fn frame_from(
+        &self,
+        x: &Vector3<f64>,
+        guess: Option<usize>,
+        known: f64,
+        wanted: f64,
+    ) -> PrincipalFrame<3> {
+        let x_point = Point3::from(*x);
+        let proven = guess.filter(|_| known > 0.0).and_then(|i| self.projector.project_onto(&x_point, i));
+        let found = match proven {
+            Some(foot) => Ok((foot, known)),
+            None => self.projector.project_with_slack(&x_point, guess, wanted),
+        };
+        let (foot, slack) = match found {
+            Ok(found) => found,
             Err(mesh_core::Error::NonFinitePoint { .. }) => {
                 return PrincipalFrame::invalid(Status::InvalidPoint);
             }
@@ -246,15 +266,20 @@ impl MeshField {
             tangent_dimension: geometry.tangent_dimension,
             distance: geometry.distance,
             on_boundary,
-            hint: Hint::new(foot.triangle, [foot.barycentric[1], foot.barycentric[2]]),
+            hint: Hint { slack, ..Hint::new(foot.triangle, [foot.barycentric[1], foot.barycentric[2]]) },
             status: if on_boundary { Status::OnBoundary } else { Status::Converged },
         }
     }
 }
 
+/// How far a query may still move for which its triangle is known; 0 where it is not.
+fn known_slack(hint: &Hint) -> f64 {
+    if hint.is_proven { hint.slack } else { 0.0 }
+}
+
 impl DistanceField<3> for MeshField {
     fn frame(&self, x: &Vector3<f64>, _search: Search, hint: &Hint) -> PrincipalFrame<3> {
-        self.frame_from(x, hint.element_below(self.triangles.len()))
+        self.frame_from(x, hint.element_below(self.triangles.len()), known_slack(hint), 0.0)
     }
 
     fn frames(&self, points: &[Vector3<f64>], _search: Search, hints: &[Hint]) -> Vec<PrincipalFrame<3>> {
@@ -264,7 +289,8 @@ impl DistanceField<3> for MeshField {
             || None,
             |before, i| {
                 let hinted = hints.get(i).and_then(|hint| hint.element_below(self.triangles.len()));
-                let frame = self.frame_from(&points[i], hinted.or(*before));
+                let known = hinted.map_or(0.0, |_| known_slack(&hints[i]));
+                let frame = self.frame_from(&points[i], hinted.or(*before), known, self.wanted_slack);
                 *before = frame.hint.element_below(self.triangles.len());
                 frame
             },

@@ -10,15 +10,28 @@ pub struct Hint {
     pub element: u32,
     /// Parameters on that element.
     pub parameter: [f64; 2],
+    /// How far the query may move while its nearest point is known to stay on the same element; 0 where that is not known.
+    pub slack: f64,
+    /// Whether the element is known to be the nearest to the query that the hint is given for, see [`Hint::moved`].
+    pub is_proven: bool,
 }
 
 impl Hint {
     /// No hint.
-    pub const NONE: Self = Self { element: u32::MAX, parameter: [0.0; 2] };
+    pub const NONE: Self = Self { element: u32::MAX, parameter: [0.0; 2], slack: 0.0, is_proven: false };
 
     /// The place of a foot on the element of a shape.
     pub(crate) fn new(element: usize, parameter: [f64; 2]) -> Self {
-        Self { element: u32::try_from(element).unwrap_or(u32::MAX), parameter }
+        Self { element: u32::try_from(element).unwrap_or(u32::MAX), parameter, slack: 0.0, is_proven: false }
+    }
+
+    /// The hint for a query that is that far away from the one whose foot it is: where this is less than the slack, the element is
+    /// still the nearest, and no other is looked at.
+    #[must_use]
+    pub fn moved(self, distance: f64) -> Self {
+        // False for NaN, too.
+        let is_proven = distance < self.slack;
+        Self { slack: if is_proven { self.slack - distance } else { 0.0 }, is_proven, ..self }
     }
 
     /// Index of the element if there is one below `count` and the parameters are numbers.

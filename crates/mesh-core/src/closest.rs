@@ -63,6 +63,14 @@ pub struct MeshProjector {
     pub(crate) cones: OnceLock<Vec<NormalCone>>,
 }
 
+/// The triangle that is nearest to a point.
+struct Nearest {
+    place: usize,
+    foot: TriangleFoot,
+    /// How far the point may move while it stays the nearest.
+    slack: f64,
+}
+
 impl MeshProjector {
     /// Prepares a mesh for queries.
     ///
@@ -138,18 +146,46 @@ impl MeshProjector {
     /// # Errors
     /// As for [`MeshProjector::project`].
     pub fn project_near(&self, x: &Point3<f64>, triangle: Option<usize>) -> Result<MeshFootpoint, Error> {
+        self.project_with_slack(x, triangle, 0.0).map(|(foot, _)| foot)
+    }
+
+    /// [`MeshProjector::project_near`], and the distance over which `x` may move while its closest point stays on the same triangle: at
+    /// most half of `wanted`, which is how far beyond the nearest triangle others are looked for. 0 where nothing is known.
+    ///
+    /// # Errors
+    /// As for [`MeshProjector::project`].
+    pub fn project_with_slack(
+        &self,
+        x: &Point3<f64>,
+        triangle: Option<usize>,
+        wanted: f64,
+    ) -> Result<(MeshFootpoint, f64), Error> {
         if !is_finite(x) {
             return Err(Error::NonFinitePoint { x: x.x, y: x.y, z: x.z });
         }
         let guess = triangle.and_then(|triangle| self.place_of(triangle));
-        let Some((place, foot)) = self.nearest(x, guess) else {
+        let Some(Nearest { place, foot, slack }) = self.nearest(x, guess, wanted) else {
             return Err(Error::DistanceOverflow { x: x.x, y: x.y, z: x.z });
         };
+        Ok((self.footpoint(x, place, foot), slack))
+    }
+
+    /// The closest point to `x` of one triangle of the mesh: that of the mesh where this triangle is known to be the nearest.
+    ///
+    /// `None` if the triangle takes no part, or if `x` is not finite or too far away.
+    #[must_use]
+    pub fn project_onto(&self, x: &Point3<f64>, triangle: usize) -> Option<MeshFootpoint> {
+        let place = self.place_of(triangle)?;
+        let foot = self.triangles[place].closest(x);
+        (foot.distance_sq < f64::INFINITY).then(|| self.footpoint(x, place, foot))
+    }
+
+    fn footpoint(&self, x: &Point3<f64>, place: usize, foot: TriangleFoot) -> MeshFootpoint {
         let normal = self.pseudo_normal(place, foot.feature, &foot.point);
         let distance = foot.distance_sq.sqrt();
         let signed_distance =
             self.is_solid().then(|| if (x - foot.point).dot(&normal) < 0.0 { -distance } else { distance });
-        Ok(MeshFootpoint {
+        MeshFootpoint {
             triangle: self.indices[place] as usize,
             barycentric: foot.barycentric,
             feature: foot.feature,
@@ -157,7 +193,7 @@ impl MeshProjector {
             distance,
             signed_distance,
             normal: normal.try_normalize(0.0).unwrap_or_else(Vector3::zeros),
-        })
+        }
     }
 
     /// The closest points to many points, in their order, on all threads. See [`MeshProjector::project`].
@@ -166,34 +202,43 @@ impl MeshProjector {
         parallel::map(points, |i| self.project(&points[i]))
     }
 
-    /// The nearest triangle and its foot; the search begins at the distance of a guess.
-    fn nearest(&self, x: &Point3<f64>, guess: Option<usize>) -> Option<(usize, TriangleFoot)> {
+    /// The nearest triangle and its foot; the search begins at the distance of a guess, and goes on for `wanted` beyond the nearest.
+    fn nearest(&self, x: &Point3<f64>, guess: Option<usize>, wanted: f64) -> Option<Nearest> {
         // Feet are rounded by units of the coordinates: boxes that are farther by no more than that may hold the nearest one, or
         // one as near with a smaller index. With this margin the answer is the least of all, wherever the search begins.
         let rounding = ROUNDING * (self.reach + x.coords.amax());
-        let bound = |distance_sq: f64| (distance_sq.sqrt() + rounding).powi(2);
+        let bound = |distance_sq: f64| (distance_sq.sqrt() + rounding + wanted).powi(2);
         let mut best = guess.map(|place| (place, self.triangles[place].closest(x)));
         best = best.filter(|(_, foot)| foot.distance_sq < f64::INFINITY);
         let mut limit = best.map_or(f64::INFINITY, |(_, foot)| foot.distance_sq);
         let mut enough = bound(limit);
+        let mut others = f64::INFINITY;
         self.bvh.nearest_where(
             x,
             enough,
             |_| true,
             |place| {
+                if self.triangles[place].box_distance_sq(x) > enough {
+                    return enough;
+                }
+                let again = best.is_some_and(|(best, _)| best == place);
                 let foot = self.triangles[place].closest(x);
                 let nearer = foot.distance_sq < limit
                     || foot.distance_sq == limit
                         && best.is_some_and(|(best, _)| self.indices[place] < self.indices[best]);
                 if nearer {
+                    others = others.min(limit);
                     limit = foot.distance_sq;
                     enough = bound(limit);
                     best = Some((place, foot));
+                } else if !again {
+                    others = others.min(foot.distance_sq);
                 }
                 enough
             },
         );
-        best
+        let slack = (0.5 * (others.min(enough).sqrt() - limit.sqrt()) - rounding).max(0.0);
+        best.map(|(place, foot)| Nearest { place, foot, slack })
     }
 
     /// The pseudo-normal, not of unit length, at a point of a triangle.

@@ -88,6 +88,19 @@ impl Triangle {
         best.unwrap_or_else(|| self.closest_on_edge(x, 0))
     }
 
+    /// The squared distance of the box around the triangle, which is no larger than that of the triangle.
+    pub(crate) fn box_distance_sq(&self, x: &Point3<f64>) -> f64 {
+        let [a, b, c] = &self.0;
+        let mut sum = 0.0;
+        for axis in 0..3 {
+            let low = a[axis].min(b[axis]).min(c[axis]);
+            let high = a[axis].max(b[axis]).max(c[axis]);
+            let outside = (low - x[axis]).max(x[axis] - high).max(0.0);
+            sum += outside * outside;
+        }
+        sum
+    }
+
     fn closest_on_edge(&self, x: &Point3<f64>, edge: u8) -> TriangleFoot {
         let (from, to) = (usize::from(edge), usize::from(edge + 1) % 3);
         let start = self.0[from];

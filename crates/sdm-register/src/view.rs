@@ -35,6 +35,12 @@ pub(crate) struct Terms {
     pub(crate) symmetric: bool,
 }
 
+/// The hint of a frame for a point that was elsewhere when it was found.
+fn hint_at<const D: usize>(frame: &PrincipalFrame<D>, x: &SVector<f64, D>) -> Hint {
+    let before = frame.foot + frame.normal() * frame.distance;
+    frame.hint.moved((x - before).norm())
+}
+
 impl<const D: usize> View<D> {
     /// Moves the cloud and finds the footpoints, from those of an earlier pose unless the search is global.
     pub(crate) fn new(
@@ -48,7 +54,9 @@ impl<const D: usize> View<D> {
         let linear = pose.rotation * pose.scale;
         let points = parallel::map(cloud.points.len(), |i| linear * cloud.points[i] + pose.target_origin);
         let hints: Vec<Hint> = match before {
-            Some(view) if search != Search::Global => view.frames.iter().map(|frame| frame.hint).collect(),
+            Some(view) if search != Search::Global => {
+                view.frames.iter().zip(&points).map(|(frame, x)| hint_at(frame, x)).collect()
+            }
             _ => Vec::new(),
         };
         let search = if hints.is_empty() { Search::Global } else { search };
@@ -107,7 +115,7 @@ impl<const D: usize> View<D> {
         wanted: &[usize],
     ) {
         let from: &[usize] = if search == Search::Global { &[] } else { wanted };
-        let hints: Vec<Hint> = from.iter().map(|&i| self.frames[i].hint).collect();
+        let hints: Vec<Hint> = from.iter().zip(points).map(|(&i, x)| hint_at(&self.frames[i], x)).collect();
         for (&i, frame) in wanted.iter().zip(field.frames(points, search, &hints)) {
             self.frames[i] = frame;
         }

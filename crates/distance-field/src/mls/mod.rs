@@ -153,6 +153,27 @@ impl MlsField {
         Some((taylor.value, taylor.gradient))
     }
 
+    /// On which side of the surface a point lies, as a number: [`value`](Self::value) where points have weight, elsewhere the distance
+    /// of the nearest point with the sign of its normal. `None` for points that are not finite.
+    #[must_use]
+    pub fn side(&self, x: &Vector3<f64>) -> Option<f64> {
+        let place = x - self.centre;
+        let nearest = self.index.nearest(&Point3::from(place))?;
+        if let Some(fit) = self.fit(&place, nearest.index) {
+            return Some(fit.taylor.value);
+        }
+        let height = (place - self.points[nearest.index].coords).dot(&self.normals[nearest.index]);
+        Some(nearest.distance().copysign(height))
+    }
+
+    /// Whether a point near the surface lies above it, and not beyond the edge of the cloud.
+    #[must_use]
+    pub fn covers(&self, x: &Vector3<f64>) -> bool {
+        let place = x - self.centre;
+        let nearest = self.index.nearest(&Point3::from(place));
+        nearest.and_then(|near| self.fit(&place, near.index)).is_some_and(|fit| !Self::is_beyond(&fit))
+    }
+
     /// The fit at a place, relative to the centre, with a point nearby.
     fn fit(&self, place: &Vector3<f64>, nearby: usize) -> Option<Fit> {
         let origin = self.points[nearby].coords;

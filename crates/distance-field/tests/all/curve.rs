@@ -156,7 +156,7 @@ fn curves_without_length_do_no_harm() {
     let field = CurveField::new(&point).unwrap();
     let x = Vector3::new(1.0, 2.0, 5.0);
     for search in [Search::Global, Search::Local, Search::OneStep] {
-        let frame = field.frame(&x, search, &Hint { element: 0, parameter: [0.5, 0.0] });
+        let frame = field.frame(&x, search, &Hint { element: 0, parameter: [0.5, 0.0], ..Hint::NONE });
         check_frame(&frame, &x, 1e-12);
         assert!((frame.distance - 2.0).abs() < 1e-14);
         assert!(field.frame(&Vector3::new(1.0, 2.0, 3.0), search, &Hint::NONE).is_finite());

@@ -2,7 +2,9 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests may panic")]
 
 use crate::common::{Numbers, check_frame, global_frame, sphere_mesh, wavy};
-use distance_field::{DistanceField, ErrorTerm, MeshField, MeshGeometry, MeshOptions, SurfaceField};
+use distance_field::{
+    DistanceField, ErrorTerm, Hint, MeshField, MeshGeometry, MeshOptions, Search, SurfaceField,
+};
 use footpoint::Status;
 use mesh_core::TriangleMesh;
 use nalgebra::{Point3, Vector3};
@@ -161,4 +163,38 @@ fn a_smooth_mesh_and_the_polyhedron() {
         dimensions[b.tangent_dimension] += 1;
     }
     assert!(dimensions.iter().all(|&count| count > 0), "{dimensions:?}");
+}
+
+#[test]
+fn queries_within_the_slack_of_a_hint_have_the_frames_of_a_search() {
+    // A sphere of triangles, queried near it, at its centre, and far away.
+    let field = MeshField::new(&sphere_mesh(24, 1.0)).unwrap();
+    let mut numbers = Numbers::new(7);
+    let mut random = move || numbers.next();
+    let points: Vec<Vector3<f64>> = (0..3000)
+        .map(|i| {
+            let direction = Vector3::new(random(), random(), random()).normalize();
+            direction * [1.0 + 1e-3 * random(), 1.0 + 0.3 * random(), 1e-3 * random(), 4.0][i % 4]
+        })
+        .collect();
+    let frames = field.frames(&points, Search::Global, &[]);
+    assert_eq!(field.frame(&points[1], Search::Global, &Hint::NONE).foot, frames[1].foot);
+    let mut proven = 0;
+    for size in [1e-9, 1e-4, 1e-3, 1e-2, 0.1] {
+        let moved: Vec<Vector3<f64>> =
+            points.iter().map(|x| x + Vector3::new(random(), random(), random()) * size).collect();
+        let hints: Vec<Hint> = frames
+            .iter()
+            .zip(points.iter().zip(&moved))
+            .map(|(frame, (x, y))| frame.hint.moved((y - x).norm()))
+            .collect();
+        proven += hints.iter().filter(|hint| hint.is_proven).count();
+        let followed = field.frames(&moved, Search::Local, &hints);
+        for (one, other) in followed.iter().zip(field.frames(&moved, Search::Global, &[])) {
+            assert_eq!((one.foot, one.distance, one.axes), (other.foot, other.distance, other.axes));
+        }
+    }
+    // Hints would be of no use if none were; those of centres never are.
+    assert!(proven > 2000 && proven < 12_000, "{proven}");
+    assert!(!Hint { slack: 1.0, ..Hint::NONE }.moved(f64::NAN).is_proven);
 }

@@ -252,10 +252,11 @@ fn degenerate_surfaces_and_queries_do_no_harm() {
         let field = SurfaceField::new(&surface).unwrap();
         let x = Vector3::new(0.5, 1.0, 2.0);
         for search in [Search::Global, Search::Local, Search::OneStep] {
-            let frame = field.frame(&x, search, &Hint { element: 0, parameter: [0.3, 0.4] });
+            let frame = field.frame(&x, search, &Hint { element: 0, parameter: [0.3, 0.4], ..Hint::NONE });
             check_frame(&frame, &x, 3e-8);
             for x in [Vector3::repeat(f64::NAN), Vector3::new(f64::INFINITY, 0.0, 0.0)] {
-                let frame = field.frame(&x, search, &Hint { element: 0, parameter: [f64::NAN, 0.4] });
+                let frame =
+                    field.frame(&x, search, &Hint { element: 0, parameter: [f64::NAN, 0.4], ..Hint::NONE });
                 assert!(frame.status == Status::InvalidPoint && !frame.is_finite());
             }
         }

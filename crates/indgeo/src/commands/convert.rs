@@ -10,10 +10,11 @@ use crate::files;
 use crate::report::{Input, Output, Report, Results, Timings};
 use crate::tessellating::{self, Tessellated};
 use crate::wording::{counted, not_finite};
+use industrial_geometry::distance_field::MlsField;
 use industrial_geometry::io::{
     Content, Format, Model, PolylineFormat, ReadOptions, WriteOptions, WriteReport, write_polylines,
 };
-use industrial_geometry::level_set::surface::remesh;
+use industrial_geometry::level_set::surface::{mesh_of_cloud, remesh};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -37,7 +38,8 @@ pub(crate) struct Args {
     #[arg(long, value_name = "T", value_parser = super::numbers::length)]
     chord: Option<f64>,
     /// Make a mesh anew, by way of its signed distance on a grid with N nodes along its longest side: closed and even, with its
-    /// sharp edges; parts thinner than a cell are lost
+    /// sharp edges; parts thinner than a cell are lost. Of a cloud: the mesh of its moving least squares surface, which ends where the
+    /// points end
     #[arg(long, value_name = "N")]
     grid: Option<usize>,
     /// Leave out points with a coordinate that is NaN or infinite, and the triangles that use them
@@ -68,6 +70,7 @@ Examples:
   indgeo convert scan.ply scan.csv --drop-non-finite
   indgeo convert part.stl part.off
   indgeo convert scan.stl closed.stl --grid 200
+  indgeo convert cloud.ply surface.ply --grid 200
   indgeo convert surface.json surface.stl --chord 0.01
   indgeo convert section.json section.dxf
   indgeo convert surface.json surface.step --unit mm --name blade-3
@@ -331,12 +334,23 @@ pub(crate) fn run(args: &Args, report: &mut Report) -> Result<Outcome, Error> {
             let gap = found.forth.max(found.back);
             (Converted::Content(Box::new(Content::Mesh(found.mesh))), Some(gap))
         }
+        Content::Cloud(cloud) if args.grid.is_some() && cloud.dimension() == 3 => {
+            let nodes = args.grid.unwrap_or_default();
+            let found = Timings::measure(&mut timings.compute, || {
+                let field = MlsField::new(cloud.positions(), cloud.attributes().normals())?;
+                mesh_of_cloud(cloud.positions(), &field, nodes)
+            })
+            .map_err(|error| refused(&args.input, &error))?;
+            is_made_anew = true;
+            let gap = found.forth.max(found.back);
+            (Converted::Content(Box::new(Content::Mesh(found.mesh))), Some(gap))
+        }
         content => (Converted::Content(Box::new(content)), None),
     };
     if args.grid.is_some() && !is_made_anew {
         return Err(Error::usage(
-            "--grid has no effect: it makes meshes anew",
-            "leave it out, or give a mesh",
+            "--grid has no effect: it makes meshes of clouds, and meshes anew",
+            "leave it out, or give a mesh or points in space",
         ));
     }
     if args.chord.is_some() && (chord.is_none() || is_made_anew) {

@@ -18,8 +18,11 @@
 //! ```
 
 mod dual;
+mod lattice;
+mod mesh_of_cloud;
 mod remesh;
 mod vertex;
 
 pub use dual::{Crossing, SurfaceGap, dual_contour, of_field, surface_gap};
+pub use mesh_of_cloud::mesh_of_cloud;
 pub use remesh::{Remeshed, remesh};

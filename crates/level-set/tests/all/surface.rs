@@ -1,10 +1,10 @@
 //! Level sets in space as meshes.
 
-use distance_field::{Grid, LevelSetField};
+use distance_field::{Grid, LevelSetField, MlsField};
 use level_set::Error;
-use level_set::surface::{Crossing, dual_contour, of_field, remesh, surface_gap};
+use level_set::surface::{Crossing, dual_contour, mesh_of_cloud, of_field, remesh, surface_gap};
 use mesh_core::{HalfEdgeMesh, TriangleMesh};
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 
 fn sampled(n: usize, f: impl Fn(&Vector3<f64>) -> f64) -> Grid<3> {
     Grid::sample(Vector3::repeat(-1.6), Vector3::repeat(3.2 / (n - 1) as f64), [n; 3], f).unwrap()
@@ -95,7 +95,7 @@ fn a_level_set_without_a_point_is_an_error() {
 /// A cube with an edge cut off, from triangles to a grid and back.
 #[test]
 fn meshes_keep_their_edges_on_the_way_through_a_grid() {
-    let point = |x: f64, y: f64, z: f64| nalgebra::Point3::new(x, y, z);
+    let point = |x: f64, y: f64, z: f64| Point3::new(x, y, z);
     // A prism over the square with the corner (1, 1) cut off.
     let outline = [(0.0, 0.0), (1.0, 0.0), (1.0, 0.6), (0.6, 1.0), (0.0, 1.0)];
     let vertices: Vec<_> =
@@ -119,4 +119,37 @@ fn meshes_keep_their_edges_on_the_way_through_a_grid() {
     for bad in [0, 7, 2001] {
         assert!(matches!(remesh(&mesh, bad), Err(Error::Option { option: "grid", .. })));
     }
+}
+
+/// Even points of the unit sphere, above a height.
+fn cap(count: u32, lowest: f64) -> (Vec<Point3<f64>>, Vec<Vector3<f64>>) {
+    (0..count)
+        .map(|i| {
+            let (z, angle) =
+                (1.0 - f64::from(2 * i + 1) / f64::from(count), 2.399_963_229_728_653 * f64::from(i));
+            let ring = (1.0 - z * z).sqrt();
+            Vector3::new(ring * angle.cos(), ring * angle.sin(), z)
+        })
+        .filter(|normal| normal.z > lowest)
+        .map(|normal| (Point3::from(normal), normal))
+        .unzip()
+}
+
+#[test]
+fn a_closed_cloud_becomes_a_closed_mesh_and_an_open_one_ends_where_it_ends() {
+    let (points, normals) = cap(4000, -2.0);
+    let found = mesh_of_cloud(&points, &MlsField::new(&points, Some(&normals)).unwrap(), 40).unwrap();
+    assert!(found.mesh.topology().is_closed());
+    assert!((found.mesh.signed_volume() - 4.18879).abs() < 0.01, "{}", found.mesh.signed_volume());
+    assert!(found.mesh.vertices().iter().all(|p| (p.coords.norm() - 1.0).abs() < 1e-6));
+    assert!(found.back < 2e-3, "{}", found.back);
+
+    let (points, normals) = cap(4000, 0.3);
+    let found = mesh_of_cloud(&points, &MlsField::new(&points, Some(&normals)).unwrap(), 40).unwrap();
+    assert!(!found.mesh.topology().is_closed());
+    // As far as the points, less than two spacings (0.056) and a cell (0.06) further.
+    let lowest = found.mesh.vertices().iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
+    assert!(lowest > 0.2 && lowest < 0.4, "{lowest}");
+    assert!(found.forth < 0.1 && found.back < 0.1, "{} {}", found.forth, found.back);
+    assert!(mesh_of_cloud(&points, &MlsField::new(&points, None).unwrap(), 3).is_err());
 }
