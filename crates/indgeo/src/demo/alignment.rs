@@ -184,7 +184,9 @@ fn inspect(
     let job = inspecting::Job {
         model: &data.model,
         cad: &Choice::default(),
-        points: &files.displaced,
+        points: std::slice::from_ref(&files.displaced),
+        range: None,
+        picture: inspecting::MOST_POINTS,
         motion: inspecting::Motion::File(&files.pose),
         page: Some(&files.page),
         out: None,

@@ -29,6 +29,7 @@ mod magnitudes;
 mod memory;
 mod options;
 mod parameterize;
+mod partials;
 mod project;
 mod reading;
 mod register;

@@ -73,6 +73,16 @@ impl Stream {
         })
     }
 
+    /// Reads on at the first point of `range`, up to its end.
+    fn limit_to(&mut self, range: std::ops::Range<u64>) -> Result<(), Error> {
+        self.left = range.end - range.start;
+        if range.start > 0 && self.left > 0 {
+            let reader = &mut self.reader;
+            guarded("LAS", || reader.seek(range.start).map_err(refused))?;
+        }
+        Ok(())
+    }
+
     /// The format of the file.
     const fn name(&self) -> crate::Format {
         if self.format.format.is_compressed { crate::Format::Laz } else { crate::Format::Las }
@@ -157,6 +167,7 @@ fn refused(error: ::las::Error) -> Error {
 /// Hands over the positions and normals of all points in pieces of at most `limit`.
 pub(crate) fn read_pieces<E>(input: Input, limit: usize, taker: &mut Taker<'_, E>) -> Result<Parsed, Error> {
     let mut stream = Stream::open(input)?;
+    stream.limit_to(taker.begin(stream.left))?;
     loop {
         let piece = stream.next_piece(limit)?;
         if piece.positions.is_empty() || !taker.give(piece) {

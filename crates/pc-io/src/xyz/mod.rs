@@ -5,6 +5,7 @@ mod layout;
 mod meaning;
 mod names;
 mod notation;
+pub(crate) mod pieces;
 mod rows;
 mod write;
 
