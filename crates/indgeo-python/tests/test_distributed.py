@@ -75,7 +75,8 @@ def test_the_command_line_writes_the_same_bytes():
     if not program:
         pytest.skip("INDGEO does not name the program")
     report, page = found()
-    typed = f"{program} inspect model.json tiles -t {TOLERANCE} --report page.html --json report.json --no-timings --quiet"
+    here = os.getcwd()
+    typed = f"{program} inspect {here}/model.json {here}/tiles -t {TOLERANCE} --report page.html --json report.json --no-timings --quiet"
     assert subprocess.run(typed.split(), check=False).returncode < 2
     assert json.dumps(json.load(open("report.json"))) == report
     assert open("page.html", "rb").read() == page
@@ -92,7 +93,7 @@ def test_a_worker_that_is_killed_changes_nothing(client):
     killed = []
 
     def kill(text, done, total):
-        assert (text, total) == ("tiles", 40)
+        assert (text, total) == ("tiles", 42)
         if not killed:
             killed.append(pids[0])
             os.kill(pids[0], signal.SIGKILL)
@@ -133,7 +134,7 @@ def test_what_cannot_be_used_is_named(tmp_path, client):
     with pytest.raises(TypeError, match="model is Surface"):
         distributed.inspect(wave(), "tiles", 0.1)
     # A gap, and a part that is there twice.
-    with pytest.raises(ValueError, match=r"points 100\.\.6000 of whole.ply are in no partial result"):
+    with pytest.raises(ValueError, match=r"points 100\.\.6000 of .*whole.ply are in no partial result"):
         distributed.inspect("model.json", [("whole.ply", 0, 100)], 0.1)
     with pytest.raises(ValueError, match="whole.ply are in .* already"):
         distributed.inspect("model.json", [("whole.ply", 0, 6000), ("whole.ply", 10, 6000)], 0.1)
@@ -146,7 +147,7 @@ def test_what_cannot_be_used_is_named(tmp_path, client):
             distributed.inspect("nothing.json", "tiles", 0.1, client=where)
         with pytest.raises(OSError, match="nothing.ply"):
             distributed.inspect("model.json", ["nothing.ply"], 0.1, client=where)
-    with pytest.raises(OSError, match=r"tile tiles.0\.ply, on "):
+    with pytest.raises(OSError, match=r"\(tile .*tiles.\d\.ply, on "):
         distributed.inspect("nothing.json", "tiles", 0.1, client=client)
     with pytest.raises(OSError, match="page.html"):
         distributed.inspect("model.json", "tiles", 0.1, report=tmp_path / "no" / "page.html")

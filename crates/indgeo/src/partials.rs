@@ -43,7 +43,12 @@ pub(crate) fn hex(hash: Sha256) -> String {
 }
 
 /// Writes a partial result; the file appears whole or not at all.
-pub(crate) fn write<C: Serialize>(path: &Path, kind: Kind, content: &C, about: String) -> Result<Output, Error> {
+pub(crate) fn write<C: Serialize>(
+    path: &Path,
+    kind: Kind,
+    content: &C,
+    about: String,
+) -> Result<Output, Error> {
     let failed = |error: serde_json::Error| Error::write(path, error.into());
     let content = serde_json::value::to_raw_value(content).map_err(failed)?;
     let sha256 = sha256(content.get().as_bytes());
@@ -73,7 +78,11 @@ impl Opened {
         })?;
         if envelope.program != PROGRAM {
             let what = format!("the partial result was made by {}, this is {PROGRAM}", envelope.program);
-            return Err(Error::content(path, what, "make all partial results with the program that merges them"));
+            return Err(Error::content(
+                path,
+                what,
+                "make all partial results with the program that merges them",
+            ));
         }
         if envelope.sha256 != sha256(envelope.content.get().as_bytes()) {
             let what = "the partial result is damaged: its content does not fit its hash";
@@ -84,9 +93,8 @@ impl Opened {
 
     /// The content, or a part of it.
     pub(crate) fn parse<C: DeserializeOwned>(&self, path: &Path) -> Result<C, Error> {
-        serde_json::from_str(self.content.get()).map_err(|error| {
-            Error::content(path, format!("the partial result is damaged: {error}"), AGAIN)
-        })
+        serde_json::from_str(self.content.get())
+            .map_err(|error| Error::content(path, format!("the partial result is damaged: {error}"), AGAIN))
     }
 }
 

@@ -59,7 +59,13 @@ impl StepSums {
         let centre = bounds.min.coords * 0.5 + bounds.max.coords * 0.5;
         let frame = [centre.x, centre.y, centre.z, bounds.diagonal()].map(f64::to_bits);
         let zeros = |count| vec![ExactSum::default(); count];
-        Some(Self { frame, points: 0, squares: ExactSum::default(), matrix: zeros(ENTRIES), vector: zeros(6) })
+        Some(Self {
+            frame,
+            points: 0,
+            squares: ExactSum::default(),
+            matrix: zeros(ENTRIES),
+            vector: zeros(6),
+        })
     }
 
     fn origin(&self) -> Vector3<f64> {
@@ -81,7 +87,8 @@ impl StepSums {
             let to_point = point - deviation.foot;
             let length = to_point.norm();
             // On edges and vertices the distance grows along the line from the foot, not along a normal.
-            let is_sharp = matches!(deviation.place, Place::TriangleEdge | Place::Vertex | Place::Edge | Place::Corner);
+            let is_sharp =
+                matches!(deviation.place, Place::TriangleEdge | Place::Vertex | Place::Edge | Place::Corner);
             let direction = if is_sharp && length > near { to_point / length } else { deviation.normal };
             let residual = direction.dot(&to_point);
             let turn = (point.coords - origin).cross(&direction);
@@ -151,7 +158,8 @@ impl StepSums {
             growth: 0.0,
         };
         let moved = velocity.helical();
-        let rows = pose.unwrap_or([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0; 4]]);
+        let rows =
+            pose.unwrap_or([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0; 4]]);
         let linear = moved.rotation * Matrix3::from_fn(|row, column| rows[row][column]);
         let before = Vector3::from_fn(|row, _| rows[row][3]);
         let translation = moved.rotation * (before - origin) + moved.translation + origin;

@@ -34,7 +34,7 @@ pub(crate) struct Report {
     pub(crate) command: &'static str,
     /// Version of the program.
     pub(crate) version: &'static str,
-    /// `done` (exit status 0); `out_of_tolerance`, `not_converged`, `not_proven`, `defective` or `failed` (1); `error` (2);
+    /// `done` (exit status 0); `out_of_tolerance`, `not_converged`, `not_proven`, `underdetermined`, `defective` or `failed` (1); `error` (2);
     /// `cancelled` (130).
     pub(crate) status: &'static str,
     /// Exit status of the process.

@@ -20,8 +20,7 @@ pub(crate) fn expand(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
 }
 
 fn of_folder(folder: &Path) -> Result<Vec<PathBuf>, Error> {
-    let failed =
-        |source| Error::from(io::Error::Io { path: folder.to_path_buf(), action: "read", source });
+    let failed = |source| Error::from(io::Error::Io { path: folder.to_path_buf(), action: "read", source });
     let mut found = Vec::new();
     for entry in fs::read_dir(folder).map_err(failed)? {
         let path = entry.map_err(failed)?.path();

@@ -269,7 +269,8 @@ mod tests {
                 for (number, tile) in points.chunks(size).enumerate().rev() {
                     let mut part = Picture::new(most);
                     let first = number * size;
-                    let own: Vec<_> = measured[first..first + tile.len()].iter().map(|m| (m.0 - first, m.1)).collect();
+                    let own: Vec<_> =
+                        measured[first..first + tile.len()].iter().map(|m| (m.0 - first, m.1)).collect();
                     part.extend_with(0, tile, &own);
                     part.shift(first as u64);
                     merged.merge(&part).unwrap();

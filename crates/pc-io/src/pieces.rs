@@ -8,11 +8,11 @@ use std::path::Path;
 use mesh_core::PointCloud;
 use nalgebra::{Point3, Vector3};
 
+use crate::format::recognise;
 use crate::parsed::Parsed;
+use crate::ptx_pieces::Grids;
 #[cfg(any(feature = "las", feature = "e57"))]
 use crate::scanner;
-use crate::format::recognise;
-use crate::ptx_pieces::Grids;
 use crate::source::Source;
 use crate::xyz::pieces::Table;
 use crate::{Error, Format, ReadOptions, ReadReport, ply};

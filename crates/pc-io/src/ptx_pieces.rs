@@ -5,12 +5,12 @@ use std::io::{self, Seek, SeekFrom};
 
 use nalgebra::Point3;
 
+use crate::ReadOptions;
 use crate::pieces::{Piece, Taker};
 use crate::ptx::{Head, left_out, not_rigid, numbers};
 use crate::scans::{Scan, chosen};
 use crate::source::Source;
 use crate::text_lines::TextLines;
-use crate::ReadOptions;
 
 /// Lines of a head: two counts and a pose.
 const HEAD_LINES: usize = 10;

@@ -7,7 +7,7 @@ and pose are the same to the byte whatever the number of workers, the order in w
 >>> found = indgeo.distributed.inspect("part.step", "tiles/*.laz", 0.05, client=Client("scheduler:8786"))  # doctest: +SKIP
 
 Needs nothing else without a client; with one, `pip install indgeo[distributed]`. Workers see the model and the tiles under the same
-paths as this process.
+absolute paths as this process.
 """
 
 from __future__ import annotations
@@ -115,11 +115,12 @@ def tiles_of(tiles: Tiles, chunk: int | None = None) -> list[Tile]:
             found.append(entry)
         elif isinstance(entry, tuple):
             path, start, stop = entry
+            path = os.path.abspath(path)
             if not (0 <= start < stop):
-                raise ValueError(f"{os.fspath(path)}: the part {start}..{stop} is empty, give 0 <= start < stop")
-            found.append(Tile(os.fspath(path), int(start), int(stop)))
+                raise ValueError(f"{path}: the part {start}..{stop} is empty, give 0 <= start < stop")
+            found.append(Tile(path, int(start), int(stop)))
         else:
-            found += [Tile(path) for path in _files(os.fspath(entry))]
+            found += [Tile(path) for path in _files(os.path.abspath(entry))]
     if not found:
         raise ValueError("there are no tiles, give a folder, a glob, or files")
     if chunk is not None:
@@ -182,6 +183,9 @@ def inspect(
     Raises ValueError or OSError with the name of the file: of a damaged tile, a folder without scans, a model that a worker does not see.
     """
     parts = tiles_of(tiles, chunk)
+    if report is not None and not os.path.isdir(os.path.dirname(os.path.abspath(report))):
+        # Said before the work, not after it.
+        raise OSError(f"{os.fspath(report)}: there is no such folder; create the folder first")
     if report is None:
         # The sample for the picture is not needed, and takes the most of a partial result.
         options.setdefault("picture", 1)
@@ -190,14 +194,9 @@ def inspect(
     with _partials(tasks, client, progress) as partials:
         call = Call("merge")
         call.arguments += partials.paths
-        if report is not None:
-            call.option("report", call.memory("report.html"))
-        ended = call.options({"model": _path(model, "model"), "no_timings": True, "threads": threads}).run()
-    page = ended.outputs.get("report.html")
-    if report is not None and page is not None:
-        _write(Path(report), page)
-        for output in ended.report["outputs"]:
-            output["path"] = os.fspath(report)
+        options = {"model": _path(model, "model"), "report": report, "no_timings": True, "threads": threads}
+        ended = call.options(options).run()
+    page = None if report is None else Path(report).read_bytes()
     return TiledInspection(tiles=tuple(parts), page=page)._of(ended)
 
 
@@ -253,13 +252,14 @@ def register(
 def _path(value: str | os.PathLike, name: str) -> str:
     if not isinstance(value, (str, os.PathLike)):
         raise TypeError(f"{name} is {type(value).__name__}, it must be a path that every worker sees")
-    return os.fspath(value)
+    # Workers have folders of their own.
+    return os.path.abspath(value)
 
 
 def _matrix(value: ArrayLike | str | os.PathLike | None) -> Any:
     """A pose as it travels to the workers: numbers, or a path."""
     if value is None or isinstance(value, (str, os.PathLike)):
-        return value if value is None else os.fspath(value)
+        return value if value is None else os.path.abspath(value)
     array: NDArray[np.float64] = np.asarray(value, dtype=np.float64)
     if array.shape != (4, 4):
         raise ValueError(f"the pose has shape {array.shape}, it must be (4, 4)")
@@ -327,18 +327,6 @@ class _partials:
                 future.release()
         finally:
             self.client.cancel(list(futures))
-
-
-def _write(path: Path, data: bytes) -> None:
-    """Writes a file that appears whole or not at all."""
-    with tempfile.NamedTemporaryFile(dir=path.parent, prefix=".indgeo-", delete=False) as file:
-        try:
-            file.write(data)
-            file.close()
-            os.replace(file.name, path)
-        except BaseException:
-            os.unlink(file.name)
-            raise
 
 
 __all__ = ["Tile", "TiledInspection", "TiledRegistration", "inspect", "register", "tiles_of"]

@@ -232,7 +232,12 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
     let points = scan_files::expand(&args.points)?;
     let job = args.job(&points, common)?;
     if let (Some(range), 2..) = (&args.range, points.len()) {
-        let what = format!("--points {}..{} is for one file of points, these are {}", range.start, range.end, points.len());
+        let what = format!(
+            "--points {}..{} is for one file of points, these are {}",
+            range.start,
+            range.end,
+            points.len()
+        );
         return Err(Error::usage(what, "give the points of each file in a run of its own"));
     }
     let Some(partial) = &args.partial else {

@@ -49,7 +49,8 @@ Partial results of `indgeo register` become one step: {\"matrix\": the pose afte
 move, as a share of the size of the model, \"rms\": of the distances before it, \"normal_matrix\" and \"normal_vector\": the sums in
 the unknowns (translation, rotation vector) about \"origin\", ...}. Repeat with --init T.json until the motion is small.
 
-Exit status: as of `indgeo inspect`; 0 for a step, 1 if there are motions that the points do not determine.
+Exit status 0: the parts together pass, or there is a step; 1: they do not pass, or there are motions that the points do not
+determine; 2: bad input or usage, and partial results that do not belong together; 130: interrupted.
 
 Examples:
   for t in tiles/*.laz; do indgeo inspect part.step $t -t 0.05 --partial parts/$(basename $t).json; done
@@ -122,7 +123,9 @@ fn merge_inspection(
 fn merge_step(args: &Args, parts: &Parts, common: &Common, report: &mut Report) -> Result<Outcome, Error> {
     let tiles = parts.tiles();
     let more = ["--partial", "-"];
-    let Command::Register(typed) = typed(args, parts, tiles.get(..1).unwrap_or_default(), &more)? else { return Err(mixed()) };
+    let Command::Register(typed) = typed(args, parts, tiles.get(..1).unwrap_or_default(), &more)? else {
+        return Err(mixed());
+    };
     let mut job = typed.step_job(&tiles, common)?;
     if let Some(rows) = parts.pose() {
         job.motion = Motion::Known(Transform::of_exact_rows(&rows));
@@ -135,7 +138,9 @@ fn merge_step(args: &Args, parts: &Parts, common: &Common, report: &mut Report) 
         summary::plain(step.rms)
     );
     if step.free > 0 {
-        report.warnings.push(format!("{} are not determined by the points, and not made", counted(step.free, "motion")));
+        report
+            .warnings
+            .push(format!("{} are not determined by the points, and not made", counted(step.free, "motion")));
     }
     // Writing to memory cannot fail.
     let _ = summary::write_end(&mut text, report);

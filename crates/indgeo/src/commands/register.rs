@@ -79,10 +79,10 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FILE", conflicts_with_all = PARTIAL_CONFLICTS)]
     partial: Option<PathBuf>,
     /// Use the points A up to but not B of POINTS only, counted from 0, for --partial
-    #[arg(long = "points", value_name = "A..B", requires = "partial", value_parser = inspecting::parse_range)]
+    #[arg(long = "points", value_name = "A..B", value_parser = inspecting::parse_range)]
     range: Option<Range<u64>>,
     /// Points farther from the model than this do not count, for --partial
-    #[arg(long, value_name = "D", requires = "partial", value_parser = numbers::limit)]
+    #[arg(long, value_name = "D", value_parser = numbers::limit)]
     max_distance: Option<f64>,
     /// Most steps of one stage; a registration that they end is not converged (exit status 1)
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u16).range(1..))]
@@ -100,7 +100,18 @@ pub(crate) struct Args {
 
 /// What a single step does not know: it starts at --init, without a search, and all points up to --max-distance count.
 const PARTIAL_CONFLICTS: [&str; 12] = [
-    "out", "format", "transform", "start", "method", "outliers", "overlap", "lock", "lock_origin", "scale", "inspect", "report",
+    "out",
+    "format",
+    "transform",
+    "start",
+    "method",
+    "outliers",
+    "overlap",
+    "lock",
+    "lock_origin",
+    "scale",
+    "inspect",
+    "report",
 ];
 
 /// Where to start.
@@ -311,6 +322,10 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         // Writing to memory cannot fail.
         let _ = summary::write_end(&mut text, report);
         return Ok(Outcome::new(text, true));
+    }
+    if args.range.is_some() || args.max_distance.is_some() {
+        let what = "--points and --max-distance are for the sums of a step";
+        return Err(Error::usage(what, "add --partial FILE, or leave them out"));
     }
     let writes = [&args.out, &args.transform, &args.report, &common.json].into_iter().any(Option::is_some);
     if !writes && !args.inspect {

@@ -36,7 +36,9 @@ const OFF_PLANE: f64 = 1e-12;
 pub(crate) fn parse_range(text: &str) -> Result<Range<u64>, String> {
     let ends = text.split_once("..").and_then(|(start, end)| Some((start.parse().ok()?, end.parse().ok()?)));
     let range = ends.map(|(start, end)| start..end).filter(|range: &Range<u64>| range.start < range.end);
-    range.ok_or_else(|| "give A..B, two whole numbers with A below B: the points from A (from 0) up to but not B".to_owned())
+    range.ok_or_else(|| {
+        "give A..B, two whole numbers with A below B: the points from A (from 0) up to but not B".to_owned()
+    })
 }
 
 /// How reading a file of points went.
@@ -173,7 +175,11 @@ impl<'a> Gathering<'a> {
     }
 
     /// Adds the points of a file, or those of a range; returns them where something is written per point.
-    pub(super) fn add_tile(&mut self, path: &Path, range: Option<&Range<u64>>) -> Result<Option<Kept>, Error> {
+    pub(super) fn add_tile(
+        &mut self,
+        path: &Path,
+        range: Option<&Range<u64>>,
+    ) -> Result<Option<Kept>, Error> {
         let (start, compute, first) = (Instant::now(), self.compute, self.next);
         let before = self.gathered.found.count(Outcome::Measured);
         let keeps_rows = self.job.out.is_some();
@@ -191,7 +197,8 @@ impl<'a> Gathering<'a> {
         counts.used = self.gathered.found.count(Outcome::Measured) - before;
         // What was read is judged or refused, point by point; a verdict is not given on anything else.
         if self.next - first != counts.kept() || self.gathered.found.points() != self.next {
-            let what = format!("{} points were read, but {} are accounted for", counts.kept(), self.next - first);
+            let what =
+                format!("{} points were read, but {} are accounted for", counts.kept(), self.next - first);
             return Err(Error::content(path, what, "run the command again"));
         }
         self.gathered.tiles.push((path.to_path_buf(), counts));
@@ -350,7 +357,8 @@ pub(super) fn union(a: &BoundingBox, b: &BoundingBox) -> BoundingBox {
 fn check_range(path: &Path, range: Option<&Range<u64>>, total: u64) -> Result<(), Error> {
     match range {
         Some(range) if range.end > total => {
-            let what = format!("the file holds {total} points, --points asks for {}..{}", range.start, range.end);
+            let what =
+                format!("the file holds {total} points, --points asks for {}..{}", range.start, range.end);
             Err(Error::content(path, what, "give numbers from 0 up to the number of points"))
         }
         _ => Ok(()),

@@ -54,8 +54,9 @@ impl Parts {
                 return Err(Error::content(tile, "there is no partial result of this file", advice));
             }
         }
-        if let Some((path, head)) =
-            parts.iter().find(|(_, head)| !tiles.is_empty() && !tiles.iter().any(|t| t == Path::new(&head.tile.path)))
+        if let Some((path, head)) = parts
+            .iter()
+            .find(|(_, head)| !tiles.is_empty() && !tiles.iter().any(|t| t == Path::new(&head.tile.path)))
         {
             let what = format!("the partial result is of {}, which --tiles does not name", head.tile.path);
             return Err(Error::content(path, what, "leave it out, or add the file to --tiles"));
@@ -217,10 +218,15 @@ pub(crate) fn merge_step(
         Error::content(job.model, what, "start nearer (--init), or leave out --max-distance")
     })?;
     if let Some(out) = out {
-        let mut text = serde_json::to_string_pretty(&step).map_err(|error| Error::write(out, error.into()))?;
+        let mut text =
+            serde_json::to_string_pretty(&step).map_err(|error| Error::write(out, error.into()))?;
         text.push('\n');
         let bytes = files::write(out, |file| file.write_all(text.as_bytes()))?;
-        report.add_output(Output { path: out.to_path_buf(), bytes, content: "pose after the step".to_owned() });
+        report.add_output(Output {
+            path: out.to_path_buf(),
+            bytes,
+            content: "pose after the step".to_owned(),
+        });
     }
     report.timings = timings;
     Ok(step)

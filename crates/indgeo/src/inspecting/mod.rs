@@ -107,7 +107,11 @@ impl Job<'_> {
         for tile in &tiles {
             let place = fs::canonicalize(tile).unwrap_or_else(|_| tile.to_path_buf());
             if !places.insert(place) {
-                return Err(Error::content(tile, "the file is named twice", "name every file of points once"));
+                return Err(Error::content(
+                    tile,
+                    "the file is named twice",
+                    "name every file of points once",
+                ));
             }
         }
         Ok(tiles)
@@ -131,7 +135,8 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Inspection, Erro
     }
     let tiles = job.tiles()?;
     if let (Some(out), 2..) = (job.out, tiles.len()) {
-        let what = format!("deviations per point are written of one file of points, these are {}", tiles.len());
+        let what =
+            format!("deviations per point are written of one file of points, these are {}", tiles.len());
         return Err(Error::content(out, what, "give one file of points with --out, or leave it out"));
     }
     let mut timings = Timings::default();

@@ -79,10 +79,7 @@ pub(super) fn pack(page: &Page<'_>) -> Packed {
         blobs.push(("lines", base64(&shares(ends.map(share)))));
     }
     if listed {
-        blobs.push((
-            "indices",
-            base64(&indices().flat_map(u32::to_le_bytes).collect::<Vec<u8>>()),
-        ));
+        blobs.push(("indices", base64(&indices().flat_map(u32::to_le_bytes).collect::<Vec<u8>>())));
     }
     let tolerance = page.inspection.options.tolerance;
     // Limits of infinity are beyond every number that a shader knows.

@@ -356,7 +356,8 @@ impl Nominal {
     /// A box around a shape of surfaces; `None` for curves.
     #[must_use]
     pub fn bounds(&self) -> Option<BoundingBox> {
-        let around = |bounds: &nurbs_core::Aabb<3>| BoundingBox { min: bounds.min.into(), max: bounds.max.into() };
+        let around =
+            |bounds: &nurbs_core::Aabb<3>| BoundingBox { min: bounds.min.into(), max: bounds.max.into() };
         match &self.kind {
             Kind::Surfaces(nominal) => Some(around(trace::Traceable::bounds(nominal.as_ref()))),
             Kind::Analytic(nominal) => Some(around(trace::Traceable::bounds(nominal.as_ref()))),

@@ -91,7 +91,8 @@ impl Table {
             .map(|(place, name)| if name.is_empty() { format!("column_{}", place + 1) } else { name })
             .collect();
         // Colours that are bytes are taken as they are; of others there may be something to tell.
-        let kind = |place: usize| if survey.bytes.get(place) == Some(&true) { Kind::Byte } else { Kind::Text };
+        let kind =
+            |place: usize| if survey.bytes.get(place) == Some(&true) { Kind::Byte } else { Kind::Text };
         let named = names.iter().enumerate().map(|(place, name)| (name.as_str(), kind(place)));
         let named: Vec<(&str, Kind)> = named.collect();
         let Some((positions, normals)) = point_columns(&named) else { return Ok(None) };

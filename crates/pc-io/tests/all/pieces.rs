@@ -49,7 +49,8 @@ fn xyz(i: u32) -> String {
 fn cases() -> Vec<(&'static str, String)> {
     let comma = |i: u32| xyz(i).replace(' ', ",");
     let normal = |i: u32| format!("{} 0.6 0 -0.8", xyz(i));
-    let colour = |i: u32| format!("{} {} {} {} {}", xyz(i), -i32::try_from(i % 2048).unwrap(), i % 256, i % 7, 255);
+    let colour =
+        |i: u32| format!("{} {} {} {} {}", xyz(i), -i32::try_from(i % 2048).unwrap(), i % 256, i % 7, 255);
     let mixed = |i: u32| if i % 10 == 0 { format!("# {i}\n\n{}", xyz(i)) } else { xyz(i) };
     vec![
         ("few.xyz", table("", 5, "\n", xyz)),
@@ -62,7 +63,10 @@ fn cases() -> Vec<(&'static str, String)> {
         ("named.csv", table("x,y,z\n", 9000, "\n", comma)),
         ("units.csv", table("z,y,x\nmm,mm,mm\n", 9000, "\n", comma)),
         ("blank_column.csv", table("x,y,z,\n", 9000, ",\n", comma)),
-        ("empty_cells.csv", table("x;y;z\n", 9000, "\n", |i| if i % 9 == 2 { "1;;3".to_owned() } else { "4;5;6".to_owned() })),
+        (
+            "empty_cells.csv",
+            table("x;y;z\n", 9000, "\n", |i| if i % 9 == 2 { "1;;3".to_owned() } else { "4;5;6".to_owned() }),
+        ),
         ("scan.pts", table("9000\n", 9000, "\n", colour)),
         ("wrong_count.pts", table("9001\n", 9000, "\n", colour)),
         ("two.pts", table("9000\n", 9000, "\n", colour) + &table("500\n", 500, "\n", colour)),
@@ -72,10 +76,11 @@ fn cases() -> Vec<(&'static str, String)> {
 /// PTX of scans with so many points.
 fn ptx(scans: &[u32]) -> String {
     let scan = |(number, &count): (usize, &u32)| {
-        let head = format!(
-            "{count}\n1\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n0 1 0 0\n-1 0 0 0\n0 0 1 0\n{number} 5 6 1\n"
-        );
-        table(&head, count, "\n", |i| if i % 5 == 4 { "0 0 0 0.5 0 0 0".to_owned() } else { format!("{} 0.25 1 2 3", xyz(i)) })
+        let head =
+            format!("{count}\n1\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n0 1 0 0\n-1 0 0 0\n0 0 1 0\n{number} 5 6 1\n");
+        table(&head, count, "\n", |i| {
+            if i % 5 == 4 { "0 0 0 0.5 0 0 0".to_owned() } else { format!("{} 0.25 1 2 3", xyz(i)) }
+        })
     };
     scans.iter().enumerate().map(scan).collect()
 }
@@ -114,7 +119,11 @@ fn pieces_of_grids_have_the_bits_of_the_whole() {
     }
     // What is wrong is said when the file is read as a whole.
     let good = ptx(&[50, 50]);
-    for damaged in [good.replace("0 0 1 0\n", "0 0 1\n"), good[..good.len() - 40].to_owned(), good.replacen(" 1 2 3\n", " 1 2 300\n", 1)] {
+    for damaged in [
+        good.replace("0 0 1 0\n", "0 0 1\n"),
+        good[..good.len() - 40].to_owned(),
+        good.replacen(" 1 2 3\n", " 1 2 300\n", 1),
+    ] {
         std::fs::write(&path, damaged).unwrap();
         assert!(in_pieces(&path, &ReadOptions::default(), 10).is_none());
         assert!(pc_io::read(&path, &ReadOptions::default()).is_err());
@@ -131,9 +140,25 @@ fn other_texts_are_read_as_a_whole() {
     for (name, bytes) in [
         ("names.csv", table("name,x,y,z\n", 400, "\n", |i| format!("P{i},1,2,3")).into_bytes()),
         ("plane.xyz", table("", 400, "\n", |i| format!("{i}.5 2.5")).into_bytes()),
-        ("late_text.csv", table("x,y,z\n", 9000, "\n", |i| if i == 8999 { "a,b,c".to_owned() } else { "1,2,3".to_owned() }).into_bytes()),
-        ("late_width.xyz", table("", 9000, "\n", |i| if i == 8999 { "1 2".to_owned() } else { xyz(i) }).into_bytes()),
-        ("late_comma.csv", table("x;y;z\n", 9000, "\n", |i| if i < 8000 { "1;2;3".to_owned() } else { "1,5;2;3".to_owned() }).into_bytes()),
+        (
+            "late_text.csv",
+            table("x,y,z\n", 9000, "\n", |i| if i == 8999 { "a,b,c".to_owned() } else { "1,2,3".to_owned() })
+                .into_bytes(),
+        ),
+        (
+            "late_width.xyz",
+            table("", 9000, "\n", |i| if i == 8999 { "1 2".to_owned() } else { xyz(i) }).into_bytes(),
+        ),
+        (
+            "late_comma.csv",
+            table(
+                "x;y;z\n",
+                9000,
+                "\n",
+                |i| if i < 8000 { "1;2;3".to_owned() } else { "1,5;2;3".to_owned() },
+            )
+            .into_bytes(),
+        ),
         ("colours.csv", table("x,y,z,r,g,b\n", 400, "\n", |_| "1,2,3,0.5,0,1".to_owned()).into_bytes()),
         ("utf_16.xyz", utf_16),
         ("empty.xyz", Vec::new()),
