@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::files;
 use crate::wording::counted;
-use industrial_geometry::io::{Content, ReadOptions, ReadReport};
+use industrial_geometry::io::{Content, Piece, ReadOptions, ReadReport};
 use industrial_geometry::mesh::nalgebra::{Point3, Vector2, Vector3};
 use industrial_geometry::mesh::{BoundingBox, TextField};
 use std::ops::Range;
@@ -64,6 +64,18 @@ impl Points {
         let normals = attributes.take_normals();
         let names = attributes.names().cloned();
         Ok(Self { positions, normals, names, is_planar, triangles, report })
+    }
+
+    /// Some points of a file, with normals if they are needed.
+    pub(crate) fn of_piece(piece: Piece, with_normals: bool, report: &ReadReport) -> Self {
+        Self {
+            positions: piece.positions,
+            normals: piece.normals.filter(|_| with_normals),
+            names: None,
+            is_planar: false,
+            triangles: Vec::new(),
+            report: report.clone(),
+        }
     }
 
     /// Leaves the points whose places are in `range`, without those that are not finite if `drop` says so, and without triangles.

@@ -62,7 +62,7 @@ pub use partial::Partial;
 pub use percent::{Rounding, percent, percent_in_full, percent_of_share};
 pub use picture::Picture;
 pub use record::DeviationRecord;
-pub use statistics::{Quantile, Statistics};
+pub use statistics::{Moments, Quantile, Statistics};
 pub use tally::Deviations;
 pub use tolerance::{Class, Tolerance};
 pub use worst::WorstPoint;

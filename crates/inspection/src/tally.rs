@@ -1,7 +1,6 @@
 //! What is counted of the points that belong to one surface.
 
-use crate::statistics::Moments;
-use crate::{Class, Error, Histogram, Statistics, Tolerance};
+use crate::{Class, Error, Histogram, Moments, Statistics, Tolerance};
 
 /// Counts and sums; merging is exact, so the order and the parts do not matter.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,7 +64,7 @@ impl Tally {
 
     /// Keeps the values no more, but how many fall into each of many cells.
     pub(crate) fn count_in_cells(&mut self) {
-        self.moments.distribution.count_in_cells();
+        self.moments.count_in_cells();
     }
 
     pub(crate) fn merge(&mut self, other: &Self) -> Result<(), Error> {

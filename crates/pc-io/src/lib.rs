@@ -39,6 +39,7 @@
 //! ```
 
 mod atomic;
+mod cloud_pieces;
 mod columns;
 mod content;
 #[cfg(feature = "e57")]
@@ -65,6 +66,7 @@ mod ptx;
 mod ptx_pieces;
 mod read;
 mod report;
+mod sample;
 mod scanner;
 mod scans;
 mod shape;
@@ -77,6 +79,7 @@ mod write;
 mod xyz;
 
 pub use atomic::AtomicFile;
+pub use cloud_pieces::read_cloud_pieces;
 pub use content::{Content, Loaded};
 pub use error::{Error, Location, Place};
 pub use format::Format;
@@ -89,7 +92,10 @@ pub use polylines::{PolylineFormat, write_polylines};
 pub(crate) use read::not_points;
 pub use read::{read, read_bytes, read_cloud, read_from, read_mesh, read_model};
 pub use report::{ReadOptions, ReadReport, WriteOptions, WriteReport};
+pub use sample::read_sample;
 pub use scans::Scan;
 pub use unfinished::{Unfinished, remove_unfinished};
-pub use write::{write, write_cloud, write_mesh, write_model, write_to};
+pub use write::{
+    is_written_in_pieces, write, write_cloud, write_cloud_pieces, write_mesh, write_model, write_to,
+};
 pub use xyz::write_text;

@@ -210,13 +210,13 @@ fn read_into<E>(
 }
 
 /// A text file that can be read piece by piece, and what its survey told.
-enum Text {
+pub(crate) enum Text {
     Table(Box<Table>),
     Grids(Grids),
 }
 
 /// Opens a table or the grids of PTX, and looks through it.
-fn open_text(path: &Path, options: &ReadOptions) -> std::io::Result<Option<(File, Text)>> {
+pub(crate) fn open_text(path: &Path, options: &ReadOptions) -> std::io::Result<Option<(File, Text)>> {
     if !fs::metadata(path)?.is_file() {
         return Ok(None);
     }
@@ -250,7 +250,7 @@ fn read_text<E>(
     Ok(Some(match text {
         Text::Table(table) => {
             table.read(&mut file, limit, taker)?;
-            Parsed::cloud(table.format(), nothing(), table.into_warnings())
+            Parsed::cloud(table.format(), nothing(), table.warnings().to_vec())
         }
         Text::Grids(grids) => {
             grids.read(&file, options, limit, taker)?;
@@ -261,7 +261,7 @@ fn read_text<E>(
 }
 
 /// Opens a binary PLY file of points alone.
-fn open_ply(
+pub(crate) fn open_ply(
     path: &Path,
     options: &ReadOptions,
 ) -> std::io::Result<Option<(BufReader<File>, ply::PointRows)>> {

@@ -9,6 +9,7 @@ use crate::files;
 use crate::inspecting::{self, Motion};
 use crate::registering::{self, Job, Start};
 use crate::report::{Report, Results};
+use crate::sampling;
 use crate::summary;
 use crate::transform::Transform;
 use clap::ValueEnum;
@@ -74,6 +75,9 @@ pub(crate) struct Args {
     /// Estimate the scale of the points, too
     #[arg(long)]
     scale: bool,
+    /// Without -o, use an even sample of N points of a file that holds more (binary PLY, LAS, LAZ, E57, PTX, plain tables)
+    #[arg(long, value_name = "N", default_value_t = sampling::MOST, value_parser = clap::value_parser!(u32).range(100..))]
+    sample: u32,
     /// Leave behind the exact sums of one step for one of many files (tiles) or with --points, of which `indgeo merge` makes the
     /// step; nothing else is written
     #[arg(long, value_name = "FILE", conflicts_with_all = PARTIAL_CONFLICTS)]
@@ -353,6 +357,7 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         model: &args.model,
         cad: &args.cad,
         points: &args.points,
+        sample: args.sample,
         out: args.out.as_deref(),
         format: args.format,
         transform: args.transform.as_deref(),

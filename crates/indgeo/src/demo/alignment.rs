@@ -85,6 +85,7 @@ pub(crate) fn run(
         model: &data.model,
         cad: &Choice::default(),
         points: &files.displaced,
+        sample: crate::sampling::MOST,
         out: Some(&files.registered),
         format: None,
         transform: Some(&files.pose),

@@ -10,7 +10,7 @@ use super::{Job, usage};
 use crate::error::Error;
 use crate::files;
 use crate::memory;
-use crate::output::Measured;
+use crate::output::{Measured, Sink};
 use crate::points::{self, Points};
 use crate::progress::Progress;
 use crate::registration_step::StepSums;
@@ -179,16 +179,15 @@ impl<'a> Gathering<'a> {
         &mut self,
         path: &Path,
         range: Option<&Range<u64>>,
+        sink: Option<&mut Sink<'_>>,
     ) -> Result<Option<Kept>, Error> {
         let (start, compute, first) = (Instant::now(), self.compute, self.next);
         let before = self.gathered.found.count(Outcome::Measured);
-        let keeps_rows = self.job.out.is_some();
-        let options = ReadOptions::default()
-            .with_drop_non_finite(self.job.drop_non_finite)
-            .with_scan(self.job.scan.map(str::to_owned));
+        let keeps_rows = self.job.out.is_some() && sink.is_none();
+        let options = self.job.read_options();
         let mut found = None;
         if !keeps_rows && self.setup.measured != Measured::Profile && !is_in_memory(path) {
-            found = self.add_pieces(path, range, &options)?.map(|counts| (counts, None));
+            found = self.add_pieces(path, range, &options, sink)?.map(|counts| (counts, None));
         }
         let (mut counts, kept) = match found {
             Some(found) => found,
@@ -212,10 +211,19 @@ impl<'a> Gathering<'a> {
         path: &Path,
         range: Option<&Range<u64>>,
         options: &ReadOptions,
+        mut sink: Option<&mut Sink<'_>>,
     ) -> Result<Option<TileCounts>, Error> {
         let wanted = range.cloned().unwrap_or(0..u64::MAX);
-        let read = io::read_range(path, options, wanted, PIECE, |mut piece| {
-            self.add(path, &mut piece.positions, &mut piece.normals, &mut |_| ())
+        let read = io::read_range(path, options, wanted, PIECE, |mut piece| -> Result<(), Error> {
+            let rows = if sink.is_some() { piece.positions.len() } else { 0 };
+            let mut records = vec![DeviationRecord::none(Outcome::Cancelled); rows];
+            self.add(path, &mut piece.positions, &mut piece.normals, &mut |measured| {
+                keep(&mut records, measured);
+            })?;
+            match &mut sink {
+                Some(sink) => sink(&self.setup.table(&piece.positions, piece.normals.as_deref(), &records)),
+                None => Ok(()),
+            }
         })?;
         let Some((read, total)) = read else { return Ok(None) };
         check_range(path, range, total)?;
@@ -249,11 +257,7 @@ impl<'a> Gathering<'a> {
         self.add(path, &mut positions, &mut normals, &mut |measured| {
             // Not before what sorts the points has given back its memory.
             records.resize(rows, DeviationRecord::none(Outcome::Cancelled));
-            for (index, deviation) in measured {
-                if let Some(record) = records.get_mut(*index) {
-                    *record = deviation.into();
-                }
-            }
+            keep(&mut records, measured);
         })?;
         (points.positions, points.normals) = (positions, normals);
         for index in self.gathered.found.worst_indices() {
@@ -341,6 +345,32 @@ impl<'a> Gathering<'a> {
         }
         Ok(())
     }
+}
+
+/// Takes the records of points that were measured.
+fn keep(records: &mut [DeviationRecord], measured: &[(usize, Deviation)]) {
+    for (index, deviation) in measured {
+        if let Some(record) = records.get_mut(*index) {
+            *record = deviation.into();
+        }
+    }
+}
+
+/// Counts the points of files, if all of them can be read piece by piece.
+pub(super) fn survey(job: &Job<'_>, setup: &Setup, tiles: &[&Path]) -> Result<Option<usize>, Error> {
+    let mut rows = 0;
+    for path in tiles {
+        if setup.measured == Measured::Profile || is_in_memory(path) {
+            return Ok(None);
+        }
+        let wanted = job.range.clone().unwrap_or(0..u64::MAX);
+        let read = io::read_range(path, &job.read_options(), wanted, PIECE, |_| Ok::<(), Error>(()))?;
+        let Some((read, total)) = read else { return Ok(None) };
+        check_range(path, job.range.as_ref(), total)?;
+        points::check_counts(path, &read)?;
+        rows += read.points - read.dropped;
+    }
+    Ok(Some(rows))
 }
 
 /// Whether the points are in memory already, or come through a pipe.

@@ -3,6 +3,7 @@
 use super::gather::{Gathered, TileCounts, union};
 use super::identity::FileIdentity;
 use super::nominal::Setup;
+use super::outputs::RowsOut;
 use super::partial_file::{self, Head};
 use super::{Job, check_extension, outputs};
 use crate::error::Error;
@@ -196,7 +197,7 @@ pub(crate) fn merge(job: &Job<'_>, parts: &Parts, report: &mut Report) -> Result
     }
     let mut timings = Timings::default();
     let (setup, gathered) = fold(job, parts, &mut timings, report)?;
-    outputs::conclude(job, setup, gathered, None, timings, report)
+    outputs::conclude(job, setup, gathered, RowsOut::None, timings, report)
 }
 
 /// Adds up the partial results of a step of a registration; `out` is the file of the pose that follows.

@@ -19,14 +19,16 @@ pub(crate) use results::InspectionResults;
 use crate::cad::Choice;
 use crate::error::Error;
 use crate::files;
-use crate::output::Format;
+use crate::output::{self, Format};
 use crate::progress::Progress;
 use crate::registration_step::StepSums;
 use crate::report::{Report, Timings};
 use crate::transform::Transform;
 use gather::{Gathered, Gathering};
 use industrial_geometry::inspection::{self, Inspection, InspectionOptions};
+use industrial_geometry::io::ReadOptions;
 use nominal::Setup;
+use outputs::RowsOut;
 use partial_file::Request;
 use std::collections::BTreeSet;
 use std::fs;
@@ -117,6 +119,12 @@ impl Job<'_> {
         Ok(tiles)
     }
 
+    /// How the files of the points are read.
+    fn read_options(&self) -> ReadOptions {
+        let options = ReadOptions::default().with_drop_non_finite(self.drop_non_finite);
+        options.with_scan(self.scan.map(str::to_owned))
+    }
+
     /// The files that are read.
     fn inputs(&self) -> Vec<&Path> {
         let points = self.points.iter().map(PathBuf::as_path);
@@ -134,23 +142,37 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Inspection, Erro
         files::check_writable(path, &job.inputs())?;
     }
     let tiles = job.tiles()?;
-    if let (Some(out), 2..) = (job.out, tiles.len()) {
-        let what =
-            format!("deviations per point are written of one file of points, these are {}", tiles.len());
-        return Err(Error::content(out, what, "give one file of points with --out, or leave it out"));
-    }
     let mut timings = Timings::default();
     let setup = Setup::read(job, &mut timings, report)?;
+    let mut streamed = None;
+    if let Some((out, format)) = job.out.zip(format) {
+        if output::is_written_in_pieces(format) {
+            let rows = Timings::measure(&mut timings.read, || gather::survey(job, &setup, &tiles))?;
+            streamed = rows.map(|rows| (out, format, rows));
+        }
+        if streamed.is_none() && tiles.len() > 1 {
+            let what = "deviations per point of several files are written as CSV or PLY, of files that are read in pieces";
+            return Err(Error::content(out, what, "give one file of points, or leave out --out"));
+        }
+    }
     let progress = Progress::new("measuring", job.quiet);
     let mut gathering = Gathering::new(job, &setup, &progress, job.page.is_some())?;
-    let mut kept = None;
-    for tile in tiles {
-        kept = gathering.add_tile(tile, job.range.as_ref())?;
-    }
+    let range = job.range.as_ref();
+    let rows = if let Some((out, format, rows)) = streamed {
+        let written = output::write_in_pieces(out, format, rows, |sink| {
+            tiles.iter().try_for_each(|tile| gathering.add_tile(tile, range, Some(sink)).map(|_| ()))
+        })?;
+        RowsOut::Written(out, written.bytes, rows)
+    } else {
+        let mut kept = None;
+        for tile in tiles {
+            kept = gathering.add_tile(tile, range, None)?;
+        }
+        kept.zip(format).map_or(RowsOut::None, |(kept, format)| RowsOut::Kept(kept, format))
+    };
     let gathered = gathering.finish(&mut timings);
     drop(progress);
-    let kept = kept.zip(format);
-    outputs::conclude(job, setup, gathered, kept, timings, report)
+    outputs::conclude(job, setup, gathered, rows, timings, report)
 }
 
 /// Measures one file of points, or some of its points, and leaves behind what [`merge`] makes a report of; `arguments` are the
@@ -162,7 +184,7 @@ pub(crate) fn run_partial(
     report: &mut Report,
 ) -> Result<Inspection, Error> {
     let (setup, gathered, timings) = measure_part(job, arguments, out, false, report)?;
-    outputs::conclude(job, setup, gathered, None, timings, report)
+    outputs::conclude(job, setup, gathered, RowsOut::None, timings, report)
 }
 
 /// The same for the sums of a step of a registration, which [`merge_step`] makes a step of.
@@ -196,7 +218,7 @@ fn measure_part(
             Error::content(job.model, "the sums of a step take surfaces or a mesh", "leave out --partial")
         })?);
     }
-    gathering.add_tile(request.tile(), job.range.as_ref())?;
+    gathering.add_tile(request.tile(), job.range.as_ref(), None)?;
     let gathered = gathering.finish(&mut timings);
     drop(progress);
     let output = Timings::measure(&mut timings.write, || request.write(out, &setup, &gathered))?;

@@ -4,11 +4,12 @@ use super::{Job, usage};
 use crate::cad::Units;
 use crate::error::Error;
 use crate::model::{Loaded, Model};
-use crate::output::Measured;
+use crate::output::{DeviationTable, Format, Measured};
 use crate::report::{ModelSummary, Options, Report, Timings};
 use crate::transform::Transform;
 use crate::wording::counted;
-use industrial_geometry::inspection::{Along, InspectionOptions, Nominal};
+use industrial_geometry::inspection::{Along, DeviationRecord, InspectionOptions, Nominal};
+use industrial_geometry::mesh::nalgebra::{Point3, Vector3};
 use std::f64::consts::FRAC_PI_2;
 
 /// The model and the options, ready to measure.
@@ -23,6 +24,8 @@ pub(crate) struct Setup {
     pub(crate) units: Option<Units>,
     /// How the points are moved first.
     pub(crate) transform: Option<Transform>,
+    /// Whether rows have colours, for formats that show them.
+    pub(super) coloured: bool,
     /// What is to be said about the model.
     pub(super) of_model: Vec<String>,
     /// What is to be said about its preparation.
@@ -46,7 +49,29 @@ impl Setup {
         let options = options(job, &nominal);
         options.validate().map_err(|error| usage(&error))?;
         describe(job, &nominal, measured, units.as_ref(), transform.as_ref(), report);
-        Ok(Self { nominal, options, measured, units, transform, of_model, of_build })
+        let format = job.out.map(|out| Format::of(out, job.format)).transpose()?;
+        let coloured = format.is_some_and(Format::has_colours);
+        Ok(Self { nominal, options, measured, units, transform, coloured, of_model, of_build })
+    }
+
+    /// Rows of points that were measured.
+    pub(super) fn table<'a>(
+        &'a self,
+        points: &'a [Point3<f64>],
+        normals: Option<&'a [Vector3<f64>]>,
+        records: &'a [DeviationRecord],
+    ) -> DeviationTable<'a> {
+        DeviationTable {
+            points,
+            normals,
+            point_names: None,
+            records,
+            triangles: &[],
+            nominal: &self.nominal,
+            options: &self.options,
+            model: self.measured,
+            coloured: self.coloured,
+        }
     }
 }
 

@@ -14,12 +14,21 @@ use industrial_geometry::inspection::{Backdrop, Inspection, Picture};
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
+/// What is, or was, written per point.
+pub(super) enum RowsOut<'a> {
+    None,
+    /// Points in memory, to be written.
+    Kept(Kept, Format),
+    /// A file that is written: its bytes and rows.
+    Written(&'a Path, u64, usize),
+}
+
 /// Judges what was gathered, writes the files of the job, and fills in the report.
 pub(super) fn conclude(
     job: &Job<'_>,
     setup: Setup,
     gathered: Gathered,
-    kept: Option<(Kept, Format)>,
+    rows: RowsOut<'_>,
     mut timings: Timings,
     report: &mut Report,
 ) -> Result<Inspection, Error> {
@@ -34,8 +43,14 @@ pub(super) fn conclude(
         (timings.compute > 0.0).then(|| gathered.found.points() as f64 / timings.compute);
     let mut write = timings.write;
     Timings::measure(&mut write, || -> Result<(), Error> {
-        if let Some(((kept, format), path)) = kept.zip(job.out) {
-            write_rows(path, &kept, format, &setup, report)?;
+        match (rows, job.out) {
+            (RowsOut::Kept(kept, format), Some(path)) => write_rows(path, &kept, format, &setup, report)?,
+            (RowsOut::Written(path, bytes, rows), _) => {
+                let columns = setup.table(&[], None, &[]).names();
+                let content = format!("{}: {}", counted(rows, "row"), columns.join(","));
+                report.add_output(Output { path: path.to_path_buf(), bytes, content });
+            }
+            _ => {}
         }
         if let Some((path, picture)) = job.page.zip(gathered.picture.as_ref()) {
             write_page(path, job, picture, &found, &setup.nominal.backdrop(), report)?;
@@ -97,15 +112,9 @@ fn write_rows(
 ) -> Result<(), Error> {
     let points = &kept.points;
     let table = DeviationTable {
-        points: &points.positions,
-        normals: points.normals.as_deref(),
         point_names: points.names.as_ref(),
-        records: &kept.records,
         triangles: &points.triangles,
-        nominal: &setup.nominal,
-        options: &setup.options,
-        model: setup.measured,
-        coloured: format.has_colours(),
+        ..setup.table(&points.positions, points.normals.as_deref(), &kept.records)
     };
     let written = output::write(path, format, &table)?;
     report.warnings.extend(written.warnings);

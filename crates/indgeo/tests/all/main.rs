@@ -23,6 +23,7 @@ mod fit_surface_outline;
 mod fits_at_limits;
 mod fits_both_ways;
 mod geodesic;
+mod in_pieces;
 mod inspect;
 mod interrupts;
 mod magnitudes;

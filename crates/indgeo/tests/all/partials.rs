@@ -246,6 +246,7 @@ fn tiles_that_cannot_be_measured_are_named() {
     fs::create_dir(bench.path("empty")).unwrap();
     bench.put("empty/readme.txt.bak", "nothing");
     bench.put("a.ply", ply(0, 100));
+    bench.put("c.ply", ply(200, 300));
     let mut damaged = ply(100, 200);
     damaged.truncate(900);
     bench.put("b.ply", damaged);
@@ -258,8 +259,8 @@ fn tiles_that_cannot_be_measured_are_named() {
         ("inspect square.json a.ply b.ply -t 1 --partial p.json", "--partial takes one file of points"),
         ("inspect square.json a.ply b.ply -t 1 --points 0..5", "is for one file of points"),
         (
-            "inspect square.json a.ply b.ply -t 1 -o out.csv",
-            "out.csv: deviations per point are written of one file",
+            "inspect square.json a.ply c.ply -t 1 -o out.las",
+            "out.las: deviations per point of several files are written as CSV or PLY",
         ),
         ("inspect square.json a.ply -t 1 --partial a.ply", "this would overwrite an input"),
         ("inspect missing.json a.ply -t 1 --partial p.json", "missing.json"),

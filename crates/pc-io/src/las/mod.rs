@@ -1,6 +1,7 @@
 //! LAS and LAZ (ASPRS LAS 1.0 to 1.4), decoded by the crates `las` and `laz`. COPC files are read as the LAZ files they are.
 
 mod check;
+mod clouds;
 mod extra;
 mod fields;
 mod grid;
@@ -19,6 +20,7 @@ use crate::parsed::Parsed;
 use crate::pieces::{Piece, Taker};
 use crate::{Error, Place};
 
+pub(crate) use self::clouds::read_clouds;
 pub(crate) use self::write::write;
 
 /// Names of extra bytes that are normals.

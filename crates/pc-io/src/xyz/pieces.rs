@@ -3,6 +3,7 @@
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
 
+use mesh_core::PointCloud;
 use nalgebra::{Point3, Vector3};
 
 use super::fields::{Separator, is_comment};
@@ -14,7 +15,7 @@ use crate::pieces::{Piece, Taker};
 use crate::source::Source;
 use crate::text_lines::TextLines;
 use crate::wording::counted;
-use crate::{Format, ReadOptions};
+use crate::{Error, Format, ReadOptions};
 
 /// Bytes at the beginning of a file by which its layout is found.
 pub(crate) const HEAD: u64 = 1 << 18;
@@ -32,6 +33,8 @@ pub(crate) struct Table {
     /// Places in a row of x, y and z, and of normals.
     positions: [usize; 3],
     normals: Option<[usize; 3]>,
+    /// Names of the columns.
+    names: Vec<String>,
     format: Format,
     warnings: Vec<String>,
 }
@@ -82,14 +85,23 @@ impl Table {
         if !whole || survey.width < 3 || survey.count == 0 {
             return Ok(None);
         }
-        let mut warnings = Self::warnings(&layout, &survey);
+        let mut warnings = Self::warnings_of(&layout, &survey);
         let names = match &layout.names {
             Some(names) => names.clone(),
             None => meaning::guess(&sample(file, start, &layout, &survey)?, &layout, &mut warnings),
         };
+        let given = names.clone();
         let names: Vec<String> = (names.into_iter().enumerate())
             .map(|(place, name)| if name.is_empty() { format!("column_{}", place + 1) } else { name })
             .collect();
+        // A column of nothing is left out; whether it is one shows in all rows.
+        let is_nothing = |place: usize| {
+            layout.blanks.iter().position(|&blank| blank == place).is_some_and(|blank| survey.blanks[blank])
+        };
+        let is_open = |(place, name): (usize, &String)| name.is_empty() && !is_nothing(place);
+        if given.iter().enumerate().any(is_open) {
+            return Ok(None);
+        }
         // Colours that are bytes are taken as they are; of others there may be something to tell.
         let kind =
             |place: usize| if survey.bytes.get(place) == Some(&true) { Kind::Byte } else { Kind::Text };
@@ -101,10 +113,19 @@ impl Table {
             (None, Separator::Blank) => Format::Xyz,
             (None, Separator::Byte(_)) => Format::Csv,
         };
-        Ok(Some(Self { start, count: survey.count, positions, normals, format, warnings, layout }))
+        Ok(Some(Self {
+            start,
+            count: survey.count,
+            positions,
+            normals,
+            names: given,
+            format,
+            warnings,
+            layout,
+        }))
     }
 
-    fn warnings(layout: &Layout, survey: &Survey) -> Vec<String> {
+    fn warnings_of(layout: &Layout, survey: &Survey) -> Vec<String> {
         let mut warnings = layout.notes.clone();
         let count = usize::try_from(survey.count).unwrap_or(usize::MAX);
         let within = layout.blanks.iter().zip(&survey.blanks).filter(|(place, _)| **place < survey.width);
@@ -124,8 +145,50 @@ impl Table {
     }
 
     /// What is to be said about the file.
-    pub(crate) fn into_warnings(self) -> Vec<String> {
-        self.warnings
+    pub(crate) fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    /// Hands the points over with all that they carry; nothing is to be told of the pieces.
+    pub(crate) fn read_clouds(
+        &self,
+        file: &mut File,
+        limit: usize,
+        take: &mut dyn FnMut(PointCloud) -> Result<bool, Error>,
+    ) -> io::Result<Result<(), Error>> {
+        let mut piece: Vec<f64> = Vec::new();
+        let (mut width, mut rows_in_piece, mut seen) = (0, 0, 0);
+        let mut failed = None;
+        let mut give = |values: Vec<f64>, width: usize| {
+            let rows = Rows { values, width, texts: Vec::new(), empty: 0 };
+            let cloud = super::assemble_rows(self.names.clone(), rows, &self.layout, &mut Vec::new());
+            match cloud.and_then(&mut *take) {
+                Ok(goes_on) => goes_on,
+                Err(error) => {
+                    failed = Some(error);
+                    false
+                }
+            }
+        };
+        let mut goes_on = true;
+        let whole = visit(file, self.start, &self.layout, &mut |rows, of_rows| {
+            width = of_rows;
+            piece.append(&mut rows.values);
+            rows_in_piece += 1;
+            seen += 1;
+            if rows_in_piece == limit {
+                rows_in_piece = 0;
+                goes_on = give(std::mem::take(&mut piece), width);
+            }
+            goes_on
+        })?;
+        if goes_on && (!whole || seen != self.count) {
+            return Err(io::Error::new(io::ErrorKind::InvalidData, "the file has changed while it was read"));
+        }
+        if goes_on && !piece.is_empty() {
+            give(piece, width);
+        }
+        Ok(failed.map_or(Ok(()), Err))
     }
 
     /// Hands the points over.

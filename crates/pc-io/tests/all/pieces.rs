@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
+use crate::common::fixture;
 use mesh_core::PointCloud;
 use nalgebra::{Point3, Vector3};
 use pc_io::{ReadOptions, ReadReport};
@@ -188,4 +189,124 @@ fn ranges_are_those_of_the_whole() {
         assert_eq!(bits(&(positions, None)), bits(&(whole.0[start..end].to_vec(), None)), "{range:?}");
         assert_eq!((report.points, total), (end - start, 1000));
     }
+}
+
+fn points_of(content: pc_io::Content) -> PointCloud {
+    let pc_io::Content::Cloud(cloud) = content else { panic!("no cloud") };
+    cloud
+}
+
+#[test]
+fn samples_are_even_and_always_the_same() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("scan.ply");
+    let positions: Vec<_> = (0..300_000).map(|i| Point3::new(f64::from(i), 1.0, 2.0)).collect();
+    let cloud = PointCloud::new(positions);
+    let _ = pc_io::write_cloud(&path, &cloud, &pc_io::WriteOptions::default()).unwrap();
+    let sample = |most| pc_io::read_sample(&path, &ReadOptions::default(), most).unwrap();
+    let loaded = sample(1000).unwrap();
+    assert_eq!(loaded.report.points, 300_000);
+    let cloud = points_of(loaded.content);
+    assert_eq!(cloud.len(), 1000);
+    let places: Vec<f64> = cloud.positions().iter().map(|point| point.x).collect();
+    assert!(places.windows(2).all(|pair| pair[0] < pair[1]));
+    // As many in each tenth, give or take four standard deviations.
+    for tenth in 0..10 {
+        let low = f64::from(tenth) * 30_000.0;
+        let count = places.iter().filter(|place| (low..low + 30_000.0).contains(*place)).count();
+        assert!((60..=140).contains(&count), "{tenth}: {count}");
+    }
+    // A smaller sample is a part of a larger one.
+    let smaller = points_of(sample(100).unwrap().content);
+    assert!(smaller.positions().iter().all(|point| places.contains(&point.x)));
+    // Nothing is left out where all are wanted.
+    assert!(sample(300_000).is_none() && sample(usize::MAX).is_none());
+}
+
+/// A cloud with everything that a table holds, for a file of several pieces.
+fn rich(count: u32) -> PointCloud {
+    let positions =
+        (0..count).map(|i| Point3::new(f64::from(i) * 0.5, -1.0, if i % 7 == 2 { f64::NAN } else { 2.5 }));
+    let mut attributes = mesh_core::Attributes::default();
+    attributes
+        .set_normals(Some((0..count).map(|i| Vector3::new(0.0, 0.6, 0.8) * f64::from(i % 2)).collect()));
+    let colour = |i: u32| [i % 256, i % 3, 255].map(|value| u8::try_from(value).unwrap());
+    attributes.set_colours(Some(mesh_core::Colours::Rgb((0..count).map(colour).collect())));
+    attributes.push_scalar("intensity", (0..count).map(|i| f64::from(i) * 0.25).collect()).unwrap();
+    attributes.push_scalar("late", (0..count).map(|i| if i < 4000 { 0.0 } else { 3.0 }).collect()).unwrap();
+    PointCloud::new(positions.collect()).with_attributes(attributes).unwrap()
+}
+
+#[test]
+fn clouds_in_pieces_have_the_attributes_and_the_bytes_of_the_whole() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = |name: &str| dir.path().join(name);
+    let mut names = vec![
+        "rich.ply".to_owned(),
+        "rich.csv".to_owned(),
+        "rich.xyz".to_owned(),
+        "rich.las".to_owned(),
+        "rich.laz".to_owned(),
+    ];
+    let mut finite = rich(5000);
+    finite.retain_finite();
+    for name in &names {
+        let cloud = if name.contains(".la") { &finite } else { &rich(5000) };
+        let _ = pc_io::write_cloud(path(name), cloud, &pc_io::WriteOptions::default()).unwrap();
+    }
+    for (name, text) in cases() {
+        std::fs::write(path(name), text).unwrap();
+        names.push(name.to_owned());
+    }
+    for name in [
+        "laspy/simple.las",
+        "laspy/simple1_3.las",
+        "laspy/vegetation_1_3.las",
+        "las-rs/autzen.laz",
+    ] {
+        names.push(fixture(&format!("formats/las/{name}")).display().to_string());
+    }
+    for (name, drop) in names.iter().flat_map(|name| [(name, false), (name, true)]) {
+        let options = ReadOptions::default().with_drop_non_finite(drop);
+        let whole = pc_io::read_cloud(path(name), &options).unwrap();
+        for limit in [37, 4096] {
+            let mut pieces = Vec::new();
+            let report = pc_io::read_cloud_pieces(path(name), &options, limit, |cloud| {
+                pieces.push(cloud);
+                Ok::<(), pc_io::Error>(())
+            });
+            let report = report.unwrap().unwrap_or_else(|| panic!("{name}"));
+            assert_eq!(report, whole.report, "{name}");
+            assert!(pieces.iter().all(|cloud| cloud.len() <= limit));
+            for extension in ["ply", "csv", "xyz", "pts"] {
+                let (one, many) = (path(&format!("one.{extension}")), path(&format!("many.{extension}")));
+                for ascii in [false, true] {
+                    let written = pc_io::WriteOptions::default().with_ascii(ascii);
+                    let of_one = pc_io::write_cloud(&one, &whole.content, &written).unwrap();
+                    let of_many = pc_io::write_cloud_pieces(&many, &written, whole.content.len(), |write| {
+                        pieces.iter().try_for_each(|cloud| write(cloud))
+                    });
+                    let of_many: pc_io::WriteReport = of_many.map_err(|error: pc_io::Error| error).unwrap();
+                    assert!(
+                        std::fs::read(&one).unwrap() == std::fs::read(&many).unwrap(),
+                        "{name} {limit} {extension}"
+                    );
+                    assert_eq!(
+                        (of_one.points, of_one.bytes, of_one.warnings),
+                        (of_many.points, of_many.bytes, of_many.warnings)
+                    );
+                }
+            }
+        }
+    }
+    // Integers that doubles may not hold are looked at as a whole.
+    let wide = fixture("formats/las/laspy/extrabytes.las");
+    let none = pc_io::read_cloud_pieces(wide, &ReadOptions::default(), 10, |_| Ok::<(), pc_io::Error>(()));
+    assert!(none.unwrap().is_none());
+    // An error on the way leaves nothing.
+    let failed = pc_io::write_cloud_pieces(path("none.ply"), &pc_io::WriteOptions::default(), 3, |_| {
+        Err(pc_io::read_bytes(b"", None, &ReadOptions::default()).unwrap_err())
+    });
+    assert!(failed.is_err() && !path("none.ply").exists());
+    assert!(!pc_io::is_written_in_pieces("a.las", &pc_io::WriteOptions::default()));
 }
