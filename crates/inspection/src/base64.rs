@@ -30,7 +30,7 @@ pub(crate) fn decode(text: &str) -> Option<Vec<u8>> {
         Some(u32::from(letter - first) + base)
     };
     let whole = text.trim_end_matches('=');
-    if text.len() % 4 != 0 || text.len() - whole.len() > 2 {
+    if !text.len().is_multiple_of(4) || text.len() - whole.len() > 2 {
         return None;
     }
     let mut out = Vec::with_capacity(text.len() / 4 * 3);

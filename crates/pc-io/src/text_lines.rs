@@ -84,7 +84,7 @@ mod tests {
         for text in [text.clone(), text[..text.len() - 1].to_vec(), b"\r".to_vec(), Vec::new()] {
             let mut file = tempfile::tempfile().unwrap();
             file.write_all(&text).unwrap();
-            std::io::Seek::rewind(&mut file).unwrap();
+            io::Seek::rewind(&mut file).unwrap();
             let mut lines = TextLines::new(file);
             for (_, expected) in Lines::new(&text) {
                 assert_eq!(lines.next().unwrap(), Some(expected));
@@ -97,7 +97,7 @@ mod tests {
     fn long_lines_are_given_up() {
         let mut file = tempfile::tempfile().unwrap();
         file.write_all(&vec![b'1'; 3 << 20]).unwrap();
-        std::io::Seek::rewind(&mut file).unwrap();
+        io::Seek::rewind(&mut file).unwrap();
         assert!(TextLines::new(file).next().is_err());
     }
 }

@@ -110,9 +110,9 @@ where one is needed (no_normal), or not finite themselves are counted, but not j
 Shares are rounded to the bad side: 100.00 % means all. Exit status 0: pass; 1: fail; 2: bad input or usage; 130:
 interrupted.
 
-Memory: binary PLY, LAS, LAZ and E57 are read piece by piece, and take the model and some 100 MB however many points there
-are, unless OUT is written. Quantiles and histogram come from the values of up to 4194304 measured points; of more, values count
-in cells of a relative width of 1/4096. The picture of the page shows up to N points.
+Memory: binary PLY, LAS, LAZ, E57, PTX and plain tables are read piece by piece, and take the model and some 100 MB however many points
+there are; OUT is then written piece by piece as CSV and PLY. Quantiles and histogram come from the values of up to 4194304 measured
+points; of more, values count in cells of a relative width of 1/4096. The picture of the page shows up to N points.
 
 With --partial the exit status is 0 when the file was written: the verdict is that of `indgeo merge`.
 

@@ -168,7 +168,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Inspection, Erro
         for tile in tiles {
             kept = gathering.add_tile(tile, range, None)?;
         }
-        kept.zip(format).map_or(RowsOut::None, |(kept, format)| RowsOut::Kept(kept, format))
+        kept.zip(format).map_or(RowsOut::None, |(kept, format)| RowsOut::Kept(Box::new(kept), format))
     };
     let gathered = gathering.finish(&mut timings);
     drop(progress);

@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 pub(super) enum RowsOut<'a> {
     None,
     /// Points in memory, to be written.
-    Kept(Kept, Format),
+    Kept(Box<Kept>, Format),
     /// A file that is written: its bytes and rows.
     Written(&'a Path, u64, usize),
 }

@@ -284,7 +284,7 @@ fn scan_of_box(from: u32, to: u32) -> String {
     let point = |i: u32| {
         let share = |step: f64| (f64::from(i) * step).fract() - 0.5;
         let (a, b) = (share(0.618_033_988), share(0.414_213_5));
-        let side = if i % 2 == 0 { 1.0 } else { -1.0 };
+        let side = if i.is_multiple_of(2) { 1.0 } else { -1.0 };
         let [x, y, z] = match i % 3 {
             0 => [side, 3.0 * a, 4.0 * b],
             1 => [2.0 * a, 1.5 * side, 4.0 * b],

@@ -134,7 +134,7 @@ fn measure(program: &Path, folder: &Path, count: u64) -> Result<(), Error> {
         ("surface.json", "cloud.ply", &page),
         ("surface.json", "cloud.ply", &["-o", "out.ply"]),
     ] {
-        // A row per point is kept in memory until it is written.
+        // Rows of so many points are files of tens of gigabytes.
         if options.contains(&"-o") && count > 20_000_000 {
             continue;
         }

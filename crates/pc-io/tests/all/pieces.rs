@@ -52,7 +52,7 @@ fn cases() -> Vec<(&'static str, String)> {
     let normal = |i: u32| format!("{} 0.6 0 -0.8", xyz(i));
     let colour =
         |i: u32| format!("{} {} {} {} {}", xyz(i), -i32::try_from(i % 2048).unwrap(), i % 256, i % 7, 255);
-    let mixed = |i: u32| if i % 10 == 0 { format!("# {i}\n\n{}", xyz(i)) } else { xyz(i) };
+    let mixed = |i: u32| if i.is_multiple_of(10) { format!("# {i}\n\n{}", xyz(i)) } else { xyz(i) };
     vec![
         ("few.xyz", table("", 5, "\n", xyz)),
         ("plain.xyz", table("", 9000, "\n", xyz)),
@@ -284,7 +284,7 @@ fn clouds_in_pieces_have_the_attributes_and_the_bytes_of_the_whole() {
                     let written = pc_io::WriteOptions::default().with_ascii(ascii);
                     let of_one = pc_io::write_cloud(&one, &whole.content, &written).unwrap();
                     let of_many = pc_io::write_cloud_pieces(&many, &written, whole.content.len(), |write| {
-                        pieces.iter().try_for_each(|cloud| write(cloud))
+                        pieces.iter().try_for_each(write)
                     });
                     let of_many: pc_io::WriteReport = of_many.map_err(|error: pc_io::Error| error).unwrap();
                     assert!(
