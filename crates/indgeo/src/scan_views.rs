@@ -3,7 +3,7 @@
 use crate::error::Error;
 use industrial_geometry::io::{self, Format, ReadOptions};
 use std::ffi::OsString;
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -52,5 +52,8 @@ fn scans(path: &Path) -> Result<Vec<usize>, Error> {
 
 fn is_e57(path: &Path) -> bool {
     let mut head = Vec::new();
-    File::open(path).is_ok_and(|file| file.take(8).read_to_end(&mut head).is_ok()) && head == b"ASTM-E57"
+    // Opening a pipe waits for its writer.
+    fs::metadata(path).is_ok_and(|file| file.is_file())
+        && File::open(path).is_ok_and(|file| file.take(8).read_to_end(&mut head).is_ok())
+        && head == b"ASTM-E57"
 }

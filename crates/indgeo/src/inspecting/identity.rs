@@ -6,7 +6,7 @@ use industrial_geometry::io;
 use industrial_geometry::mesh::nalgebra::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
@@ -47,12 +47,13 @@ impl FileIdentity {
         let Some(name) = path.to_str() else {
             return Err(Error::content(path, "the name is not UTF-8", "give the file another name"));
         };
-        let mut file = File::open(path).map_err(failed)?;
-        let metadata = file.metadata().map_err(failed)?;
+        // Opening a pipe waits for its writer.
+        let metadata = fs::metadata(path).map_err(failed)?;
         if !metadata.is_file() {
             let what = "a partial result is made of files, this is none";
             return Err(Error::content(path, what, "write the points or the model to a file first"));
         }
+        let mut file = File::open(path).map_err(failed)?;
         let (mut hash, bytes) = (Sha256::new(), metadata.len());
         read(&mut file, bytes, &mut hash).map_err(failed)?;
         Ok(Self { path: name.to_owned(), bytes, sha256: hex(hash) })
