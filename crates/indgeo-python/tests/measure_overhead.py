@@ -1,10 +1,11 @@
-"""What calling `project` from Python costs over the computing time that the command itself reports, for 100,000 points.
+"""What calling `project` from Python costs over the time that the command itself reports (reading, preparing, computing, writing), for
+100,000 points.
 
     python crates/indgeo-python/tests/measure_overhead.py [POINTS]
 
-Prints the time of the call, the computing time of the same call, their ratio (wanted: at most 1.10), and, where the variable INDGEO names
-the program, the computing time of the command line on the same points in a file. Each is the best of several runs. Exit status 1 if the
-ratio is larger.
+Prints the time of the call, the times of the command in the same call, their ratio (wanted: at most 1.10), and, where the variable INDGEO
+names the program, the time of the command line on the same points in a file. Each is the best of several runs. Exit status 1 if the ratio
+is larger.
 """
 
 import json
@@ -27,15 +28,15 @@ RUNS = 5
 def main() -> int:
     count = int(sys.argv[1]) if len(sys.argv) > 1 else 100_000
     points = np.random.default_rng(3).uniform([0, 0, -0.2], [1, 1, 0.4], (count, 3))
-    best = None
+    runs = []
     for _ in range(RUNS):
         began = time.perf_counter()
         found = indgeo.project(wave(), points)
         called = time.perf_counter() - began
-        computed = found.report["timings"]["compute"]
-        best = min(filter(None, [best, (called / computed, called, computed)]))
-    ratio, called, computed = best
-    print(f"{count} points: call {called:.3f} s, computing {computed:.3f} s, ratio {ratio:.3f} (wanted: {WANTED} at most)")
+        timings = found.report["timings"]
+        runs.append((called / sum(timings.values()), called, timings["compute"], sum(timings.values())))
+    ratio, called, computed, own = min(runs)
+    print(f"{count} points: call {called:.3f} s, the command {own:.3f} s (computing {computed:.3f} s), ratio {ratio:.3f} (wanted: {WANTED} at most)")
     program = os.environ.get("INDGEO")
     if program:
         with tempfile.TemporaryDirectory() as name:
@@ -46,8 +47,8 @@ def main() -> int:
             times = []
             for _ in range(RUNS):
                 subprocess.run(command, cwd=folder, check=False)
-                times.append(json.loads((folder / "report.json").read_text())["timings"]["compute"])
-            print(f"command line: computing {min(times):.3f} s, ratio of the call to it {called / min(times):.3f}")
+                times.append(sum(json.loads((folder / "report.json").read_text())["timings"].values()))
+            print(f"command line: {min(times):.3f} s, ratio of the best call to it {min(run[1] for run in runs) / min(times):.3f}")
     return 0 if ratio <= WANTED else 1
 
 

@@ -191,7 +191,8 @@ fn solve(
     let near = from(&vec![Pose::identity(); views.len()])?;
     let size = size(views);
     let good = near.status == ViewsStatus::Converged && near.rms <= GOOD_RMS * size;
-    if good || matches!(job.start, Start::Given) {
+    // Poses of the files are not searched for.
+    if good || matches!(job.start, Start::Given) || job.views.iter().all(|view| view.is_posed) {
         return Ok((near, "given"));
     }
     let found = search()?;

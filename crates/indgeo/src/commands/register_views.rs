@@ -59,7 +59,7 @@ pub(crate) struct Args {
 /// Where to start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum StartChoice {
-    /// From where the views are; if they do not come to fit, a search over all positions as well
+    /// From where the views are; if they do not come to fit, and have no poses in their files, a search over all positions as well
     Auto,
     /// From where the views are
     Given,

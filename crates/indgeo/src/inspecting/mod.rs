@@ -221,6 +221,10 @@ fn measure_part(
     gathering.add_tile(request.tile(), job.range.as_ref(), None)?;
     let gathered = gathering.finish(&mut timings);
     drop(progress);
+    // What cannot be used leaves no file behind.
+    if job.range.is_none() {
+        gathered.tiles.iter().try_for_each(|(path, counts)| gather::check_counts(path, counts))?;
+    }
     let output = Timings::measure(&mut timings.write, || request.write(out, &setup, &gathered))?;
     report.add_output(output);
     Ok((setup, gathered, timings))

@@ -247,6 +247,7 @@ fn tiles_that_cannot_be_measured_are_named() {
     bench.put("empty/readme.txt.bak", "nothing");
     bench.put("a.ply", ply(0, 100));
     bench.put("c.ply", ply(200, 300));
+    bench.put("nan.xyz", "nan 0 0\n0 nan 0\n");
     let mut damaged = ply(100, 200);
     damaged.truncate(900);
     bench.put("b.ply", damaged);
@@ -264,6 +265,12 @@ fn tiles_that_cannot_be_measured_are_named() {
         ),
         ("inspect square.json a.ply -t 1 --partial a.ply", "this would overwrite an input"),
         ("inspect missing.json a.ply -t 1 --partial p.json", "missing.json"),
+        ("inspect square.json nan.xyz -t 1 --partial p.json", "nan.xyz: no point has finite coordinates"),
+        (
+            "inspect square.json a.ply nan.xyz -t 1 --report p.html",
+            "nan.xyz: no point has finite coordinates",
+        ),
+        ("register square.json nan.xyz --partial p.json", "nan.xyz: no point has finite coordinates"),
     ] {
         let before = bench.files();
         let run = bench.run(arguments);
