@@ -40,11 +40,24 @@ impl<E> Sum<'_, E> {
     }
 }
 
+impl<E> Sum<'_, E> {
+    /// Takes over what is known at the end only.
+    #[cfg(feature = "e57")]
+    fn tell(&mut self, rest: Parsed) -> Result<(), Error> {
+        let hint = Format::from_path(self.path);
+        let rest = crate::read::load(rest, hint, self.options)?.report;
+        if let Some(report) = &mut self.report {
+            (report.warnings, report.scans) = (rest.warnings, rest.scans);
+        }
+        Ok(())
+    }
+}
+
 /// Reads points with all their attributes in pieces of at most `limit` points, in memory for one piece, and hands them to `take`;
 /// together they have the bits that [`read`](crate::read) gives them. A piece may be empty where points are dropped.
 ///
-/// Files of LAS and LAZ, binary PLY of points alone, and tables (XYZ, CSV, PTS) of three coordinates without names or texts, can be read
-/// so; `None` for all others, before `take` was called. LAS, LAZ and tables are gone through twice.
+/// Files of LAS and LAZ, E57 whose scans carry the same, binary PLY of points alone, and tables (XYZ, CSV, PTS) of three coordinates without
+/// names or texts, can be read so; `None` for all others, before `take` was called. LAS, LAZ and tables are gone through twice.
 ///
 /// # Errors
 /// As [`read`](crate::read), and what `take` fails with.
@@ -120,6 +133,13 @@ fn of_scanner<E>(format: Format, limit: usize, sum: &mut Sum<'_, E>) -> Result<b
                 None => Err(crate::scanner::not_built(format)),
             };
             crate::las::read_clouds(open, limit, &mut |parsed| sum.add(parsed))
+        }
+        #[cfg(feature = "e57")]
+        Format::E57 => {
+            let (path, options) = (sum.path, sum.options);
+            let Some((_, input)) = crate::read::open_of_scanner(path, options)? else { return Ok(false) };
+            let rest = crate::e57::read_clouds(input, options, limit, &mut |parsed| sum.add(parsed))?;
+            rest.map_or(Ok(false), |rest| sum.tell(rest).map(|()| true))
         }
         _ => {
             let _ = (limit, sum);

@@ -13,7 +13,7 @@ use industrial_geometry::io::{Content, ReadOptions, ReadReport, Scan, Shape};
 use industrial_geometry::mesh::nalgebra::Point3;
 use industrial_geometry::mesh::{Attributes, BoundingBox, MeshTopology, TriangleMesh};
 use industrial_geometry::nurbs::{BsplineCurve, BsplineSurface, KnotVector};
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -84,6 +84,7 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
                 });
                 if let (Value::Object(fact), Value::Object(more)) = (&mut fact, more) {
                     fact.extend(more);
+                    insert_scans(fact, &found.read);
                 }
                 told(path, &found.read, report);
                 // Writing to memory cannot fail.
@@ -152,12 +153,17 @@ fn describe(path: &Path, content: &Content, report: &ReadReport) -> Value {
     };
     if let (Value::Object(fact), Value::Object(more)) = (&mut fact, more) {
         fact.extend(more);
-        if !report.scans.is_empty() {
-            let scan = |scan: &Scan| json!({ "index": scan.number, "name": scan.name, "points": scan.points, "pose": scan.pose });
-            fact.insert("scans".to_owned(), report.scans.iter().map(scan).collect());
-        }
+        insert_scans(fact, report);
     }
     fact
+}
+
+/// Adds the scans of a file of several.
+fn insert_scans(fact: &mut Map<String, Value>, report: &ReadReport) {
+    if !report.scans.is_empty() {
+        let scan = |scan: &Scan| json!({ "index": scan.number, "name": scan.name, "points": scan.points, "pose": scan.pose });
+        fact.insert("scans".to_owned(), report.scans.iter().map(scan).collect());
+    }
 }
 
 fn describe_mesh(mesh: &TriangleMesh, report: &ReadReport) -> Value {
