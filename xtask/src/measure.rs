@@ -191,8 +191,9 @@ const MEASUREMENTS: &[Measurement] = &[
     Measurement {
         name: "inspection-memory",
         title: "Memory of an inspection",
-        about: "The largest resident memory of `indgeo inspect` on ten million generated points, in binary PLY with three doubles a point, \
-                which are read into memory. Wanted: at most 100 bytes a point, with and without files.",
+        about: "The largest resident memory of `indgeo inspect` on ten million generated points, in binary PLY with three doubles a point and in \
+                LAS, which are read in pieces; the points that the report accounts for are all. Wanted: at most 500 MB, also for a hundred \
+                million points.",
         program: "inspection_memory",
         arguments: &["10000000"],
         one_thread: false,

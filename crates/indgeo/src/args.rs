@@ -2,7 +2,7 @@
 
 use crate::commands::{
     align, contour, convert, demo, field, fit_curve, fit_ruled, fit_subdivision, fit_surface, geodesic, info,
-    inspect, morphology, parameterize, project, register, register_views, segment, selftest,
+    inspect, merge, morphology, parameterize, project, register, register_views, segment, selftest,
 };
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::path::{Path, PathBuf};
@@ -31,6 +31,7 @@ Examples:
   indgeo demo
   indgeo project model.json scan.ply -o deviations.csv
   indgeo inspect model.json scan.ply --tolerance 0.05 --report report.html
+  indgeo merge partials/*.json --report report.html
   indgeo align datums.json scan.ply -o aligned.ply
   indgeo register part.stl scan.ply -o moved.ply --transform pose.json
   indgeo register-views scan1.ply scan2.ply scan3.ply -o aligned
@@ -49,6 +50,7 @@ Examples:
 pub(crate) enum Command {
     Project(project::Args),
     Inspect(inspect::Args),
+    Merge(merge::Args),
     Align(align::Args),
     Register(register::Args),
     RegisterViews(register_views::Args),
@@ -98,6 +100,7 @@ impl Command {
         match self {
             Self::Project(args) => (vec![&args.model, &args.points], vec![args.out.clone()]),
             Self::Inspect(args) => args.files(),
+            Self::Merge(args) => args.files(),
             Self::Align(args) => args.files(),
             Self::Register(args) => args.files(),
             Self::RegisterViews(args) => args.files(),
@@ -123,6 +126,7 @@ impl Command {
         match self {
             Self::Project(_) => "project",
             Self::Inspect(_) => "inspect",
+            Self::Merge(_) => "merge",
             Self::Align(_) => "align",
             Self::Register(_) => "register",
             Self::RegisterViews(_) => "register-views",
@@ -153,6 +157,9 @@ pub(crate) struct Common {
     /// The report is written on errors too (`"status": "error"`), whenever the command line itself was understood.
     #[arg(long, global = true, value_name = "FILE")]
     pub(crate) json: Option<PathBuf>,
+    /// Leave the times out of report and summary, so that equal results are equal to the byte
+    #[arg(long, global = true)]
+    pub(crate) no_timings: bool,
     /// Number of threads [default: one per core]; results do not depend on it
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,

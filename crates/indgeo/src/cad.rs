@@ -2,6 +2,7 @@
 
 use crate::error::Error;
 use crate::files;
+use clap::ValueEnum;
 use industrial_geometry::brep::description::{Carrier, FaceDescription, LengthUnit, ModelDescription};
 use industrial_geometry::brep::{Foot, Model, On};
 use industrial_geometry::cad::{is_iges, read_iges_file};
@@ -54,6 +55,13 @@ enum UnitChoice {
 }
 
 impl Choice {
+    /// The choice as it is typed.
+    pub(crate) fn arguments(&self) -> Vec<String> {
+        let unit = self.unit.and_then(|unit| unit.to_possible_value());
+        let unit = unit.map(|unit| format!("--unit={}", unit.get_name()));
+        self.faces.iter().map(|face| format!("--faces={face}")).chain(unit).collect()
+    }
+
     /// Makes sure that nothing was chosen, for a model that is no CAD model.
     pub(crate) fn check_unused(&self, path: &Path) -> Result<(), Error> {
         let option = match (self.faces.is_empty(), self.unit) {

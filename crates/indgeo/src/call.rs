@@ -53,6 +53,7 @@ pub fn call(arguments: &[String], inputs: BTreeMap<String, Vec<u8>>, watch: &Arc
         }
     };
     let mut report = Report::of_command(cli.command.name());
+    report.no_timings = cli.common.no_timings;
     let surroundings = Surroundings::new(inputs, Arc::clone(watch));
     let ended = threads::with_threads(cli.common.threads, || {
         surroundings.around(|| commands::run(&cli.command, &cli.common, &mut report))

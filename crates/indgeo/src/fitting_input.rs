@@ -4,6 +4,7 @@ use crate::cad_output::{self, CadArgs, CadFormat};
 use crate::error::Error;
 use crate::files;
 use crate::report::{Input, Output, Report, Timings};
+use crate::sampling;
 use crate::wording::{counted, not_finite};
 use industrial_geometry::fit::SurfaceCoverage;
 use industrial_geometry::io::{Content, Model, ReadOptions, Shape, WriteOptions};
@@ -29,9 +30,12 @@ pub(crate) struct Scan {
 
 impl Scan {
     /// Reads a cloud or a mesh, or, if `shapes` says so, takes points from NURBS surfaces.
-    pub(crate) fn read(path: &Path, shapes: bool, report: &mut Report) -> Result<Self, Error> {
-        let loaded =
-            Timings::measure(&mut report.timings.read, || files::read(path, &ReadOptions::default()))?;
+    ///
+    /// Of a file with more than `most` points an even sample is read, where its format allows that.
+    pub(crate) fn read(path: &Path, shapes: bool, most: u32, report: &mut Report) -> Result<Self, Error> {
+        let mut seconds = report.timings.read;
+        let loaded = Timings::measure(&mut seconds, || sampling::read(path, most, report))?;
+        report.timings.read = seconds;
         report.add_input(Input::new("points", path, &loaded.report));
         let coordinates = |mesh: &TriangleMesh| mesh.vertices().iter().map(|p| p.coords).collect();
         match loaded.content {

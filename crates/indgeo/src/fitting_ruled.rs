@@ -65,7 +65,7 @@ pub(crate) struct RuledResults {
 pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Error> {
     let inputs: Vec<&Path> = std::iter::once(job.points).chain(job.init).collect();
     check_paths(&inputs, job.out.as_slice())?;
-    let scan = Scan::read(job.points, true, report)?;
+    let scan = Scan::read(job.points, true, u32::MAX, report)?;
     let start = job.init.map(|path| start_surface(path, report)).transpose()?;
     let count = scan.points.len();
     let (points, gouging) = match job.offset {

@@ -73,7 +73,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Erro
     let inputs: Vec<&Path> = std::iter::once(job.points).chain(job.init).collect();
     let outputs: Vec<&Path> = job.out.into_iter().chain(job.limit.map(|(path, _)| path)).collect();
     check_paths(&inputs, &outputs)?;
-    let scan = Scan::read(job.points, false, report)?;
+    let scan = Scan::read(job.points, false, u32::MAX, report)?;
     let points: Vec<Vector3<f64>> =
         scan.points.iter().filter(|p| p.iter().all(|c| c.is_finite())).copied().collect();
     let dropped = scan.points.len() - points.len();

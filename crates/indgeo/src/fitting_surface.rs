@@ -27,6 +27,8 @@ use std::path::Path;
 pub(crate) struct Job<'a> {
     /// File of the points, or of the model.
     pub(crate) points: &'a Path,
+    /// Most points that are used.
+    pub(crate) sample: u32,
     /// File of the surface to start from.
     pub(crate) init: Option<&'a Path>,
     /// Control points that the surface shall have, if that was chosen.
@@ -67,7 +69,7 @@ pub(crate) struct SurfaceResults {
 pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Error> {
     let inputs: Vec<&Path> = std::iter::once(job.points).chain(job.init).collect();
     check_paths(&inputs, job.out.as_slice())?;
-    let Scan { mut points, mesh, .. } = Scan::read(job.points, false, report)?;
+    let Scan { mut points, mesh, .. } = Scan::read(job.points, false, job.sample, report)?;
     let samples = mesh.map_or_else(Vec::new, |mesh| between_vertices(&mesh, job.points, report));
     points.extend(&samples);
     let start = job.init.map(|path| start_surface(path, report)).transpose()?;

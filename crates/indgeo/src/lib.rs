@@ -1,4 +1,4 @@
-//! The commands of Industrial Geometry: `indgeo project | inspect | align | register | register-views | fit-curve | parameterize |
+//! The commands of Industrial Geometry: `indgeo project | inspect | merge | align | register | register-views | fit-curve | parameterize |
 //! fit-surface | fit-ruled | fit-subdivision | contour | field | geodesic | morphology | segment | convert | info | demo | selftest`.
 //!
 //! The program `indgeo` is [`main`]. [`call`] runs a command for another language in the same way, with the same checks, defaults
@@ -26,6 +26,7 @@ mod cad_tessellating;
 mod call;
 mod commands;
 mod contour;
+mod converting_pieces;
 mod datum_file;
 mod demo;
 mod error;
@@ -40,8 +41,6 @@ mod fitting_ruled;
 mod fitting_subdivision;
 mod fitting_surface;
 mod inspecting;
-mod inspecting_pieces;
-mod inspection_results;
 mod interrupt;
 mod memory;
 mod model;
@@ -49,12 +48,15 @@ mod moving;
 mod on_surface;
 mod output;
 mod parameterizing;
+mod partials;
 mod paths;
 mod planar_start;
 mod points;
 mod poses;
 mod progress;
 mod projection;
+mod projection_pieces;
+mod projection_results;
 mod registering;
 mod registering_views;
 mod registration_field;
@@ -62,8 +64,12 @@ mod registration_model;
 mod registration_page;
 mod registration_report;
 mod registration_starts;
+mod registration_step;
 mod registration_verdict;
 mod report;
+mod sampling;
+mod scan_files;
+mod scan_views;
 mod segmenting;
 mod selftest;
 mod session;

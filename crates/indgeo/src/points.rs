@@ -3,18 +3,24 @@
 use crate::error::Error;
 use crate::files;
 use crate::wording::counted;
-use industrial_geometry::io::{Content, ReadOptions, ReadReport};
+use industrial_geometry::io::{Content, Piece, ReadOptions, ReadReport};
 use industrial_geometry::mesh::nalgebra::{Point3, Vector2, Vector3};
 use industrial_geometry::mesh::{BoundingBox, TextField};
+use std::ops::Range;
 use std::path::Path;
 
 /// Makes sure that a file held a point that is finite.
 pub(crate) fn check_counts(path: &Path, report: &ReadReport) -> Result<(), Error> {
-    if report.points == 0 {
+    check_numbers(path, report.points, report.non_finite)
+}
+
+/// The same with the numbers of points, and of those that are not finite.
+pub(crate) fn check_numbers(path: &Path, points: usize, non_finite: usize) -> Result<(), Error> {
+    if points == 0 {
         return Err(Error::content(path, "there are no points in this file", "export it again"));
     }
-    if report.non_finite == report.points {
-        let what = format!("no point has finite coordinates ({})", counted(report.points, "point"));
+    if non_finite == points {
+        let what = format!("no point has finite coordinates ({})", counted(points, "point"));
         return Err(Error::content(path, what, "export the file again"));
     }
     Ok(())
@@ -58,6 +64,40 @@ impl Points {
         let normals = attributes.take_normals();
         let names = attributes.names().cloned();
         Ok(Self { positions, normals, names, is_planar, triangles, report })
+    }
+
+    /// Some points of a file, with normals if they are needed.
+    pub(crate) fn of_piece(piece: Piece, with_normals: bool, report: &ReadReport) -> Self {
+        Self {
+            positions: piece.positions,
+            normals: piece.normals.filter(|_| with_normals),
+            names: None,
+            is_planar: false,
+            triangles: Vec::new(),
+            report: report.clone(),
+        }
+    }
+
+    /// Leaves the points whose places are in `range`, without those that are not finite if `drop` says so, and without triangles.
+    pub(crate) fn cut(&mut self, range: &Range<u64>, drop: bool) {
+        let place = |number: u64| usize::try_from(number).unwrap_or(usize::MAX).min(self.positions.len());
+        let wanted = place(range.start)..place(range.end);
+        let is_finite = |index: &usize| self.positions[*index].iter().all(|value| value.is_finite());
+        let finite = wanted.clone().filter(is_finite).count();
+        self.report.points = wanted.len();
+        self.report.non_finite = wanted.len() - finite;
+        self.report.dropped = if drop { self.report.non_finite } else { 0 };
+        let kept: Vec<usize> = wanted.filter(|index| !drop || is_finite(index)).collect();
+        if let Some(normals) = &self.normals {
+            self.normals = Some(kept.iter().map(|&index| normals[index]).collect());
+        }
+        if let Some(names) = &self.names {
+            let mut own = TextField::new(names.name());
+            kept.iter().for_each(|&index| own.push(names.get(index).unwrap_or_default()));
+            self.names = Some(own);
+        }
+        self.positions = kept.iter().map(|&index| self.positions[index]).collect();
+        self.triangles.clear();
     }
 
     /// Diagonal of the box of the finite points.

@@ -1,6 +1,6 @@
 //! The main job: read a model and points, project, write, report. `project` and `demo` both run this.
 
-use crate::cad::Choice;
+use crate::cad::{CadModel, Choice};
 use crate::commands::project::SearchMode;
 use crate::error::Error;
 use crate::files;
@@ -8,14 +8,13 @@ use crate::model::{Loaded, Model};
 use crate::output::{self, Format, Layout, NAME, Table};
 use crate::points::Points;
 use crate::progress::Progress;
-use crate::report::{
-    Input, ModelSummary, Options, Output, ProjectionResults, Report, Results, ShapeResults, Timings, Worst,
-};
+use crate::projection_pieces;
+use crate::projection_results::ResultsSum;
+use crate::report::{Input, ModelSummary, Options, Output, ProjectionResults, Report, Results, Timings};
 use crate::target::{Foot, Target};
 use crate::wording::{counted, not_finite};
-use industrial_geometry::footpoint::{Multiplicity, ProjectionOptions, Status};
-use industrial_geometry::inspection::Statistics;
-use std::collections::BTreeMap;
+use industrial_geometry::footpoint::{ProjectionOptions, Status};
+use industrial_geometry::io::ReadReport;
 use std::path::Path;
 
 /// Names of the statuses that leave nothing to be wished for; there is no answer for a point that is not finite, or lacks
@@ -65,55 +64,114 @@ pub(crate) struct Projected {
     pub(crate) layout: Layout,
 }
 
-/// Does the job and fills in the report.
+/// Does the job and fills in the report; the points are read, projected and written piece by piece where their format and that of the
+/// result allow it, with the same bytes.
+pub(crate) fn run_in_pieces(job: &Job<'_>, report: &mut Report) -> Result<(), Error> {
+    let format = Format::of(job.out, job.format)?;
+    let is_kept = files::is_stream(job.points) || crate::memory::is_memory(job.points);
+    if is_kept || !output::is_written_in_pieces(format) {
+        return run(job, report).map(|_| ());
+    }
+    let prepared = Prepared::new(job, report)?;
+    match projection_pieces::survey(job, &prepared)? {
+        Some(survey) => projection_pieces::run(job, prepared, &survey, format, report),
+        None => finish(job, prepared, format, report).map(|_| ()),
+    }
+}
+
+/// Does the job in memory and fills in the report.
 pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Projected, Error> {
     let format = Format::of(job.out, job.format)?;
-    files::check_inputs(&[job.model, job.points])?;
-    files::check_writable(job.out, &[job.model, job.points])?;
+    finish(job, Prepared::new(job, report)?, format, report)
+}
 
-    let mut timings = Timings::default();
-    let loaded = Timings::measure(&mut timings.read, || Loaded::read(job.model, job.cad))?;
-    report.add_input(loaded.input(job.model));
+/// A model that is ready for projections.
+pub(crate) struct Prepared {
+    pub(crate) target: Target,
+    pub(crate) layout: Layout,
+    /// Kind and name of each shape.
+    pub(crate) shapes: Vec<(&'static str, Option<String>)>,
+    warnings: Vec<String>,
+    /// Of a CAD model, which knows about units.
+    cad: Option<CadModel>,
+    pub(crate) timings: Timings,
+}
+
+impl Prepared {
+    fn new(job: &Job<'_>, report: &mut Report) -> Result<Self, Error> {
+        files::check_inputs(&[job.model, job.points])?;
+        files::check_writable(job.out, &[job.model, job.points])?;
+        let mut timings = Timings::default();
+        let loaded = Timings::measure(&mut timings.read, || Loaded::read(job.model, job.cad))?;
+        report.add_input(loaded.input(job.model));
+        let (shapes, warnings) = (loaded.shapes, loaded.report.warnings);
+        let cad = match &loaded.model {
+            Model::Cad(cad) => Some(cad.clone()),
+            _ => None,
+        };
+        let target = Timings::measure(&mut timings.build, || Target::build(loaded.model, job.model))?;
+        if job.max_angle.is_some() {
+            target.check_normals(job.model)?;
+        }
+        let layout = Layout::of(&target, shapes.len());
+        Ok(Self { target, layout, shapes, warnings, cad, timings })
+    }
+
+    /// Describes the job in the report, when the points are known.
+    pub(crate) fn describe(&self, job: &Job<'_>, read: &ReadReport, diagonal: f64, report: &mut Report) {
+        report.add_input(Input::new("points", job.points, read));
+        warn(report, job, &self.warnings, read);
+        report.warnings.extend(self.cad.as_ref().and_then(|cad| cad.unit_warning(diagonal)));
+        report.model = Some(summarise(&self.target, self.shapes.len()));
+        report.options = Some(Options {
+            mode: job.mode.name(),
+            relative_gap: job.options.relative_gap,
+            threads: job.threads,
+            transform: None,
+        });
+    }
+}
+
+/// Says that a cloud has no normals, where they are needed.
+pub(crate) fn no_normals(path: &Path) -> Error {
+    let advice = "leave out --max-angle, or give a file with normals (nx, ny, nz)";
+    Error::content(path, "the points have no normals", advice)
+}
+
+fn finish(
+    job: &Job<'_>,
+    prepared: Prepared,
+    format: Format,
+    report: &mut Report,
+) -> Result<Projected, Error> {
+    let mut timings = prepared.timings;
     let mut points =
         Timings::measure(&mut timings.read, || Points::read(job.points, job.drop_non_finite, job.scan))?;
     if job.max_angle.is_none() {
         points.normals = None;
     } else if points.normals.is_none() {
-        let advice = "leave out --max-angle, or give a file with normals (nx, ny, nz)";
-        return Err(Error::content(job.points, "the points have no normals", advice));
+        return Err(no_normals(job.points));
     }
-    report.add_input(Input::new("points", job.points, &points.report));
-    report.timings = timings;
-    warn(report, job, &loaded, &points);
-
-    if let Model::Cad(cad) = &loaded.model {
-        report.warnings.extend(cad.unit_warning(points.diagonal()));
-    }
-    let shapes = loaded.shapes;
-    let target = Timings::measure(&mut timings.build, || Target::build(loaded.model, job.model))?;
-    if job.max_angle.is_some() {
-        target.check_normals(job.model)?;
-    }
-    let layout = Layout::of(&target, shapes.len());
-    report.model = Some(summarise(&target, shapes.len()));
-    report.options = Some(Options {
-        mode: job.mode.name(),
-        relative_gap: job.options.relative_gap,
-        threads: job.threads,
-        transform: None,
-    });
+    prepared.describe(job, &points.report, points.diagonal(), report);
     let progress = Progress::new("projecting", job.quiet);
     let feet = Timings::measure(&mut timings.compute, || {
         let tell = |done: usize, total: usize| progress.report(done, total);
-        target.project(&points, job.points, &job.options, job.max_angle, &tell)
+        prepared.target.project(&points, job.points, &job.options, job.max_angle, &tell)
     })?;
     drop(progress);
     report.points_per_second = (timings.compute > 0.0).then(|| feet.len() as f64 / timings.compute);
-
     report.timings = timings;
-    let projected = Projected { points, feet, layout };
+    let mut sum = ResultsSum::default();
+    sum.add(&points, &feet);
+    let projected = Projected { points, feet, layout: prepared.layout };
     write(job.out, format, &projected, report)?;
-    let results = results(&projected, job, &shapes);
+    let columns = columns(&projected);
+    conclude(job, sum.finish(job, &projected.points.report, columns, &prepared.shapes), report);
+    Ok(projected)
+}
+
+/// Says what is wrong with the results, and puts them into the report.
+pub(crate) fn conclude(job: &Job<'_>, results: ProjectionResults, report: &mut Report) {
     let open = results.status.get(Status::Uncertified.name()).copied().unwrap_or(0);
     if open > 0 {
         report.warnings.push(format!(
@@ -139,7 +197,6 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Projected, Error
     }
     report.count_points("points", results.points_dropped, results.points_used);
     report.results = Some(Results::Projection(Box::new(results)));
-    Ok(projected)
 }
 
 /// Writes the result once more, in the format of another extension.
@@ -182,12 +239,11 @@ pub(crate) fn otherwise(report: &Report) -> &'static str {
     if failed.all(|name| *name == UNPROVEN) { "not_proven" } else { "not_converged" }
 }
 
-fn warn(report: &mut Report, job: &Job<'_>, loaded: &Loaded, points: &Points) {
-    for (path, read) in [(job.model, &loaded.report), (job.points, &points.report)] {
-        let warnings = read.warnings.iter().map(|warning| format!("{}: {warning}", path.display()));
+fn warn(report: &mut Report, job: &Job<'_>, of_model: &[String], read: &ReadReport) {
+    for (path, warnings) in [(job.model, of_model), (job.points, &read.warnings)] {
+        let warnings = warnings.iter().map(|warning| format!("{}: {warning}", path.display()));
         report.warnings.extend(warnings);
     }
-    let read = &points.report;
     if read.non_finite > 0 {
         let fate = if read.dropped > 0 {
             "left out, so that rows of the result are numbered anew"
@@ -210,74 +266,4 @@ fn summarise(target: &Target, shapes: usize) -> ModelSummary {
         _ => None,
     };
     ModelSummary { kind, unit, dimension, shapes, patches: target.piece_count(), signed }
-}
-
-fn results(
-    projected: &Projected,
-    job: &Job<'_>,
-    shapes: &[(&'static str, Option<String>)],
-) -> ProjectionResults {
-    let Projected { points, feet, .. } = projected;
-    let mut status = BTreeMap::new();
-    let mut location = BTreeMap::new();
-    let mut multiplicity = BTreeMap::new();
-    let mut worst: Option<Worst> = None;
-    let mut largest_gap: Option<f64> = None;
-    for (index, foot) in feet.iter().enumerate() {
-        *status.entry(foot.status.name()).or_default() += 1;
-        if !foot.exists() {
-            continue;
-        }
-        *location.entry(foot.location).or_default() += 1;
-        *multiplicity.entry(multiplicity_name(foot.multiplicity).to_owned()).or_default() += 1;
-        largest_gap = Some(largest_gap.map_or(foot.gap(), |gap| gap.max(foot.gap())));
-        if worst.as_ref().is_none_or(|worst| foot.distance.abs() > worst.distance.abs()) {
-            let point = points.positions[index].into();
-            let name = points.name(index).map(str::to_owned);
-            worst = Some(Worst { index, point, distance: foot.distance, name });
-        }
-    }
-    let dropped = feet.iter().filter(|foot| foot.status == Status::InvalidPoint).count();
-    let distance = Statistics::of(feet.iter().map(|foot| foot.distance));
-    ProjectionResults {
-        points: feet.len(),
-        points_dropped: points.report.non_finite,
-        points_used: feet.len() - dropped,
-        rms: distance.as_ref().map(|distance| distance.rms),
-        max: worst.as_ref().map(|worst| worst.distance.abs()),
-        max_index: worst.as_ref().map(|worst| worst.index),
-        columns: columns(projected),
-        status,
-        location,
-        multiplicity,
-        distance,
-        worst,
-        largest_gap: largest_gap.filter(|_| job.mode == SearchMode::Certified),
-        shapes: shape_results(feet, shapes),
-    }
-}
-
-fn multiplicity_name(multiplicity: Multiplicity) -> &'static str {
-    match multiplicity {
-        Multiplicity::Unknown => "unknown",
-        Multiplicity::Unique => "unique",
-        Multiplicity::Tied => "tied",
-        Multiplicity::Continuum => "continuum",
-    }
-}
-
-/// Distances per shape, for those that are nearest to a point.
-fn shape_results(feet: &[Foot], shapes: &[(&'static str, Option<String>)]) -> Vec<ShapeResults> {
-    let mut by_shape: BTreeMap<u32, (usize, Vec<f64>)> = BTreeMap::new();
-    for foot in feet.iter().filter(|foot| foot.exists()) {
-        let (on_boundary, distances) = by_shape.entry(foot.shape).or_default();
-        *on_boundary += usize::from(foot.status == Status::OnBoundary);
-        distances.push(foot.distance);
-    }
-    let results = by_shape.into_iter().filter_map(|(index, (on_boundary, distances))| {
-        let (kind, name) = shapes.get(index as usize)?.clone();
-        let distance = Statistics::of(distances)?;
-        Some(ShapeResults { index, kind, name, on_boundary, distance })
-    });
-    results.collect()
 }

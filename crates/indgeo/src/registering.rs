@@ -14,6 +14,7 @@ use crate::registration_report::{self as found, Checks, RegistrationResults, Sta
 use crate::registration_starts::{Tries, Try, register_all, search_space};
 use crate::registration_verdict as verdict;
 use crate::report::{Input, ModelSummary, Output, Report, Results, Timings};
+use crate::sampling;
 use crate::wording::{counted, not_finite};
 use industrial_geometry::io::{self, Content, Format, ReadOptions, WriteOptions};
 use industrial_geometry::mesh::nalgebra::Vector3;
@@ -47,6 +48,8 @@ pub(crate) struct Job<'a> {
     pub(crate) cad: &'a Choice,
     /// File of the points.
     pub(crate) points: &'a Path,
+    /// Most points that are used, if nothing is written per point.
+    pub(crate) sample: u32,
     /// File of the moved points.
     pub(crate) out: Option<&'a Path>,
     /// Their format, if not that of the extension.
@@ -103,7 +106,11 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Registered, Erro
     }
     report.add_input(input);
     let given = init.map(poses::read).transpose()?;
-    let loaded = Timings::measure(&mut timings.read, || files::read(job.points, &ReadOptions::default()))?;
+    let loaded = Timings::measure(&mut timings.read, || match job.out {
+        // The moved points are all of them.
+        Some(_) => files::read(job.points, &ReadOptions::default()),
+        None => sampling::read(job.points, job.sample, report),
+    })?;
     report.add_input(Input::new("points", job.points, &loaded.report));
     let content = loaded.content;
     warn(job, &loaded.report, report);

@@ -7,6 +7,7 @@ use crate::poses;
 use crate::progress::Progress;
 use crate::registering::Start;
 use crate::report::{Input, Output, Report, Results, Timings};
+use crate::scan_views::ViewFile;
 use crate::staging::Staging;
 use crate::views_report::ViewsResults;
 use crate::wording::{counted, not_finite};
@@ -29,8 +30,8 @@ const NEAR: f64 = 0.012;
 /// What is to be done.
 #[derive(Debug)]
 pub(crate) struct Job<'a> {
-    /// Files of the views.
-    pub(crate) views: &'a [PathBuf],
+    /// The views.
+    pub(crate) views: &'a [ViewFile],
     /// Folder for the moved views.
     pub(crate) out: &'a Path,
     /// Where to start.
@@ -50,21 +51,21 @@ struct Loaded {
 }
 
 /// The files that are written: the moved views under their own names, and the poses.
-pub(crate) fn outputs(views: &[PathBuf], out: &Path) -> Vec<PathBuf> {
-    let names = views.iter().filter_map(|view| view.file_name());
+fn outputs(views: &[ViewFile], out: &Path) -> Vec<PathBuf> {
+    let names = views.iter().map(|view| &view.name);
     names.map(|name| out.join(name)).chain([out.join(POSES)]).collect()
 }
 
 /// Does the job and fills in the report; returns whether all views found their places.
 pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
     let init = if let Start::Poses(file) = job.start { Some(file) } else { None };
-    let inputs: Vec<&Path> = job.views.iter().map(PathBuf::as_path).chain(init).collect();
+    let inputs: Vec<&Path> = job.views.iter().map(|view| view.path.as_path()).chain(init).collect();
     check(job, &inputs)?;
     let mut timings = Timings::default();
     let given = init.map(|file| poses_of(file, job.views.len())).transpose()?;
     let mut loaded = Vec::with_capacity(job.views.len());
-    for path in job.views {
-        loaded.push(Timings::measure(&mut timings.read, || read(path, report))?);
+    for view in job.views {
+        loaded.push(Timings::measure(&mut timings.read, || read(view, report))?);
     }
     let views: Vec<View> = loaded.iter().map(|one| one.view.clone()).collect();
 
@@ -76,7 +77,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
 
     let outputs = outputs(job.views, job.out);
     let triples = job.views.iter().zip(&outputs).zip(&loaded);
-    let triples = triples.map(|((path, moved), one)| (path.clone(), moved.clone(), one.points));
+    let triples = triples.map(|((view, moved), one)| (view.clone(), moved.clone(), one.points));
     let results = ViewsResults::new(&found, start, triples);
     for (input, view) in report.inputs.iter_mut().zip(&results.views) {
         input.count(view.points_dropped, view.points.saturating_sub(view.points_dropped));
@@ -92,17 +93,21 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
 /// Makes sure that every view has a name of its own and no input is overwritten.
 fn check(job: &Job<'_>, inputs: &[&Path]) -> Result<(), Error> {
     files::check_folder(job.out)?;
-    let mut names: Vec<_> = job.views.iter().map(|view| view.file_name()).collect();
-    if let Some(at) = names.iter().position(Option::is_none) {
-        return Err(Error::content(&job.views[at], "this is not the name of a file", "name a file"));
+    if job.views.len() < 2 {
+        let what = "there is one view only";
+        return Err(Error::usage(what, "give two or more, or a file of several scans (E57, PTX)"));
+    }
+    let mut names: Vec<_> = job.views.iter().map(|view| &view.name).collect();
+    if let Some(view) = job.views.iter().find(|view| view.name.is_empty()) {
+        return Err(Error::content(&view.path, "this is not the name of a file", "name a file"));
     }
     names.sort();
     if let Some(pair) = names.windows(2).find(|pair| pair[0] == pair[1]) {
-        let name = pair[0].unwrap_or_default().to_string_lossy().into_owned();
+        let name = pair[0].to_string_lossy();
         let what = format!("two views are called {name}, and would overwrite each other in the output");
         return Err(Error::usage(what, "rename one of them"));
     }
-    if job.views.iter().any(|view| files::is_stream(view)) {
+    if job.views.iter().any(|view| files::is_stream(&view.path)) {
         return Err(Error::usage("a view cannot come from standard input (`-`)", "put it into a file"));
     }
     if fs::metadata(job.out).is_ok_and(|metadata| !metadata.is_dir()) {
@@ -130,8 +135,10 @@ fn poses_of(file: &Path, views: usize) -> Result<Vec<Pose<3>>, Error> {
     }
 }
 
-fn read(path: &Path, report: &mut Report) -> Result<Loaded, Error> {
-    let loaded = files::read(path, &ReadOptions::default())?;
+fn read(view: &ViewFile, report: &mut Report) -> Result<Loaded, Error> {
+    let path = view.path.as_path();
+    let scan = view.scan.map(|number| number.to_string());
+    let loaded = files::read(path, &ReadOptions::default().with_scan(scan))?;
     report.add_input(Input::new("view", path, &loaded.report));
     report.warnings.extend(loaded.report.warnings.iter().map(|w| format!("{}: {w}", path.display())));
     if loaded.report.non_finite > 0 {
@@ -184,7 +191,8 @@ fn solve(
     let near = from(&vec![Pose::identity(); views.len()])?;
     let size = size(views);
     let good = near.status == ViewsStatus::Converged && near.rms <= GOOD_RMS * size;
-    if good || matches!(job.start, Start::Given) {
+    // Poses of the files are not searched for.
+    if good || matches!(job.start, Start::Given) || job.views.iter().all(|view| view.is_posed) {
         return Ok((near, "given"));
     }
     let found = search()?;
@@ -198,7 +206,8 @@ fn name_view(error: &industrial_geometry::register::Error, job: &Job<'_>) -> Err
     }
     let text = error.to_string();
     let rest = text.strip_prefix("view ").and_then(|rest| rest.split_once(": "));
-    let named = rest.and_then(|(index, what)| Some((job.views.get(index.parse::<usize>().ok()?)?, what)));
+    let named =
+        rest.and_then(|(index, what)| Some((&job.views.get(index.parse::<usize>().ok()?)?.path, what)));
     match named {
         Some((path, what)) => Error::content(path, what, "check it with `indgeo info`"),
         None => Error::usage(text, "see `indgeo register-views --help`"),
@@ -228,10 +237,13 @@ fn write(
     report: &mut Report,
 ) -> Result<(), Error> {
     let mut staging = Staging::new(job.out)?;
-    for ((path, one), view) in job.views.iter().zip(loaded).zip(&found.views) {
-        let target = job.out.join(path.file_name().unwrap_or_default());
-        let options = WriteOptions::default().with_format(one.format);
-        let content = moved(one.content, &view.pose, path)?;
+    for ((file, one), view) in job.views.iter().zip(loaded).zip(&found.views) {
+        let target = job.out.join(&file.name);
+        let options = match file.scan {
+            Some(_) => WriteOptions::default(),
+            None => WriteOptions::default().with_format(one.format),
+        };
+        let content = moved(one.content, &view.pose, &file.path)?;
         let written = io::write(staging.path(&target), &content, &options)?;
         report.warnings.extend(written.warnings.iter().map(|w| format!("{}: {w}", target.display())));
         let content = counted(written.points, "moved point");

@@ -1,6 +1,6 @@
 //! What a registration found, for machines.
 
-use crate::inspection_results::InspectionResults;
+use crate::inspecting::InspectionResults;
 use crate::registration_field::Fit;
 use industrial_geometry::register::{
     Covariance, Coverage, FreeSpace, Pose, RegisterReport, StepRecord, Support,

@@ -10,12 +10,13 @@ use crate::fitting_curve::CurveResults;
 use crate::fitting_ruled::RuledResults;
 use crate::fitting_subdivision::SubdivisionResults;
 use crate::fitting_surface::SurfaceResults;
-use crate::inspection_results::InspectionResults;
+use crate::inspecting::InspectionResults;
 use crate::interrupt;
 use crate::on_surface::geodesic::GeodesicResults;
 use crate::on_surface::morphology::MorphologyResults;
 use crate::parameterizing::ParameterResults;
 use crate::registration_report::RegistrationResults;
+use crate::registration_step::Step;
 use crate::segmenting::SegmentationResults;
 use crate::selftest::Check;
 use crate::views_report::ViewsResults;
@@ -33,7 +34,7 @@ pub(crate) struct Report {
     pub(crate) command: &'static str,
     /// Version of the program.
     pub(crate) version: &'static str,
-    /// `done` (exit status 0); `out_of_tolerance`, `not_converged`, `not_proven`, `defective` or `failed` (1); `error` (2);
+    /// `done` (exit status 0); `out_of_tolerance`, `not_converged`, `not_proven`, `underdetermined`, `defective` or `failed` (1); `error` (2);
     /// `cancelled` (130).
     pub(crate) status: &'static str,
     /// Exit status of the process.
@@ -60,6 +61,9 @@ pub(crate) struct Report {
     pub(crate) results: Option<Results>,
     /// What the user should know.
     pub(crate) warnings: Vec<String>,
+    /// Whether nothing is said of the time it took.
+    #[serde(skip)]
+    pub(crate) no_timings: bool,
 }
 
 /// Writes a path as text; what is not UTF-8 in it is replaced, since a report without it would be worse.
@@ -81,6 +85,9 @@ impl Report {
             Err(_) => ("error", 2),
         };
         self.error = ended.as_ref().err().map(ToString::to_string);
+        if self.no_timings {
+            (self.timings, self.points_per_second) = (Timings::default(), None);
+        }
     }
 
     /// Adds a file that was read.
@@ -118,6 +125,7 @@ impl Report {
             points_per_second: self.points_per_second,
             results: None,
             warnings: self.warnings.clone(),
+            no_timings: self.no_timings,
         }
     }
 }
@@ -269,6 +277,8 @@ pub(crate) enum Results {
     Inspection(Box<InspectionResults>),
     /// Of a registration.
     Registration(Box<RegistrationResults>),
+    /// Of one step of a registration, from sums of parts.
+    Step(Box<Step>),
     /// Of an alignment by targets.
     Alignment(Box<AlignmentResults>),
     /// Of a registration of many views.

@@ -20,6 +20,7 @@ pub(crate) fn run(cli: &Cli) -> ExitCode {
             writeln!(std::io::stderr(), "warning: an interrupt will leave temporary files behind: {error}");
     }
     let mut report = Report::of_command(cli.command.name());
+    report.no_timings = cli.common.no_timings;
     let json_file = common.json.as_deref().filter(|path| !files::is_stream(path));
     let checked = check_stream(common, &cli.command)
         .and_then(|()| json_file.map_or(Ok(()), |path| check_report(path, &cli.command)));

@@ -435,11 +435,13 @@ fn write_folds(text: &mut String, folds: &Folds) -> std::fmt::Result {
 
 pub(crate) fn write_end(text: &mut String, report: &Report) -> std::fmt::Result {
     let timings = &report.timings;
-    writeln!(
-        text,
-        "  seconds   read {:.3}  build {:.3}  compute {:.3}  write {:.3}",
-        timings.read, timings.build, timings.compute, timings.write
-    )?;
+    if !report.no_timings {
+        writeln!(
+            text,
+            "  seconds   read {:.3}  build {:.3}  compute {:.3}  write {:.3}",
+            timings.read, timings.build, timings.compute, timings.write
+        )?;
+    }
     for output in &report.outputs {
         writeln!(text, "  wrote     {} ({})", output.path.display(), counted(output.bytes, "byte"))?;
     }

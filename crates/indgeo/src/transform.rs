@@ -2,7 +2,6 @@
 
 use crate::error::Error;
 use crate::files;
-use crate::points::Points;
 use industrial_geometry::mesh::nalgebra::{Matrix3, Matrix4, Point3, Vector3};
 use industrial_geometry::register::Pose;
 use std::path::Path;
@@ -41,6 +40,14 @@ impl Transform {
         Self { linear: pose.rotation * pose.scale, translation: pose.translation() }
     }
 
+    /// The motion with exactly these rows, as [`Transform::rows`] gave them.
+    pub(crate) fn of_exact_rows(rows: &[[f64; 4]; 4]) -> Self {
+        Self {
+            linear: Matrix3::from_fn(|row, column| rows[row][column]),
+            translation: Vector3::from_fn(|row, _| rows[row][3]),
+        }
+    }
+
     fn of_rows(rows: &[[f64; 4]; 4], scale: f64) -> Result<Self, String> {
         let matrix = Matrix4::from_fn(|row, column| rows[row][column]);
         if !matrix.iter().all(|value| value.is_finite()) {
@@ -64,11 +71,6 @@ impl Transform {
             [self.linear[(row, 0)], self.linear[(row, 1)], self.linear[(row, 2)], self.translation[row]]
         };
         [row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0]]
-    }
-
-    /// Moves points and their normals.
-    pub(crate) fn apply(&self, points: &mut Points) {
-        self.apply_to(&mut points.positions, points.normals.as_deref_mut());
     }
 
     /// Moves positions and normals.

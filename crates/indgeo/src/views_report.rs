@@ -1,6 +1,7 @@
 //! What a registration of many views found, for machines.
 
 use crate::registration_report::Rotation;
+use crate::scan_views::ViewFile;
 use industrial_geometry::mesh::nalgebra::Matrix6;
 use industrial_geometry::register::views::{PairReport, ViewReport, ViewsReport, ViewsStep};
 use serde::Serialize;
@@ -33,10 +34,13 @@ pub(crate) struct ViewResult {
     /// The file that was read.
     #[serde(serialize_with = "crate::report::lossy")]
     pub(crate) path: PathBuf,
+    /// The scan of it, by its number from 0 on, of a file of several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) scan: Option<usize>,
     /// The file that was written.
     #[serde(serialize_with = "crate::report::lossy")]
     pub(crate) moved: PathBuf,
-    /// `x ↦ R x + t` from the file to the common frame, in homogeneous coordinates, by rows.
+    /// `x ↦ R x + t` from the file, whose scans are placed by their poses, to the common frame, in homogeneous coordinates, by rows.
     pub(crate) matrix: [[f64; 4]; 4],
     /// The rotation in two more forms.
     pub(crate) rotation: Rotation,
@@ -65,13 +69,14 @@ impl ViewsResults {
     pub(crate) fn new(
         found: &ViewsReport,
         start: &'static str,
-        files: impl Iterator<Item = (PathBuf, PathBuf, usize)>,
+        files: impl Iterator<Item = (ViewFile, PathBuf, usize)>,
     ) -> Self {
         let origin = found.centre.into();
-        let view = |((path, moved, points), view): ((PathBuf, PathBuf, usize), &ViewReport)| {
+        let view = |((file, moved, points), view): ((ViewFile, PathBuf, usize), &ViewReport)| {
             let (axis, angle) = view.pose.axis_angle();
             ViewResult {
-                path,
+                path: file.path,
+                scan: file.scan,
                 moved,
                 matrix: view.pose.to_row_major(),
                 rotation: Rotation { quaternion: view.pose.quaternion(), axis: axis.into(), angle },

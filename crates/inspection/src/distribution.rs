@@ -80,6 +80,13 @@ impl Distribution {
         }
     }
 
+    /// Counts the values in cells from now on, as if there were more than the limit.
+    pub(crate) fn count_in_cells(&mut self) {
+        if self.is_exact() {
+            self.values = Values::Cells(self.values.cells());
+        }
+    }
+
     /// Whether the values themselves are kept.
     #[must_use]
     pub fn is_exact(&self) -> bool {

@@ -24,6 +24,8 @@
 //! Units are those of the coordinates. Nothing depends on the number of threads.
 
 mod backdrop;
+#[cfg(feature = "serde")]
+mod base64;
 mod colour;
 mod deviation;
 mod distribution;
@@ -38,6 +40,7 @@ mod options;
 mod parallel;
 mod partial;
 mod percent;
+mod picture;
 mod record;
 mod statistics;
 mod tally;
@@ -57,8 +60,9 @@ pub use nominal::{Nominal, ShapeInfo};
 pub use options::{Along, InspectionOptions};
 pub use partial::Partial;
 pub use percent::{Rounding, percent, percent_in_full, percent_of_share};
+pub use picture::Picture;
 pub use record::DeviationRecord;
-pub use statistics::{Quantile, Statistics};
+pub use statistics::{Moments, Quantile, Statistics};
 pub use tally::Deviations;
 pub use tolerance::{Class, Tolerance};
 pub use worst::WorstPoint;

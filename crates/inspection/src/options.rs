@@ -40,7 +40,8 @@ pub struct InspectionOptions {
     pub drop_beyond_boundary: bool,
     /// How many of the worst points are listed; default 10.
     pub worst: usize,
-    /// Up to how many values quantiles and histogram are computed from the values themselves; default 4 194 304. Beyond,
+    /// Up to how many measured points, of all surfaces, quantiles and histogram are computed from the values themselves; default
+    /// 4 194 304. Beyond,
     /// values count in cells of a relative width of `2⁻¹²` (see [`Distribution`](crate::Distribution)).
     pub exact_limit: usize,
     /// How footpoints on NURBS are searched; default certified.

@@ -9,8 +9,8 @@ use std::collections::BTreeMap;
 
 /// The result of inspecting a part of a cloud.
 ///
-/// Tiles of a huge cloud can be measured on many machines, each with the index of its first point, and their results
-/// merged: in any grouping and order the outcome has the same bits as that of one run over the whole cloud, because
+/// Tiles of a huge cloud can be measured on many machines, each with the index of its first point (or [`shift`](Self::shift)ed
+/// later), and their results merged: in any grouping and order the outcome has the same bits as that of one run over the whole cloud, because
 /// counts, sums ([`ExactSum`](crate::ExactSum)) and distributions ([`Distribution`](crate::Distribution)) are exact.
 /// Doubles are written to files as integers, so that no reader or writer of decimals can change a bit.
 ///
@@ -106,7 +106,38 @@ impl Partial {
         for (shape, list) in measured {
             self.shapes.entry(shape).or_insert_with(|| Tally::new(limit)).extend(&list, &tolerance);
         }
+        self.keep_to_limit();
         self.worst.extend(all());
+    }
+
+    /// Counts in cells where the points of all surfaces together are more than the limit, so that memory is bounded.
+    fn keep_to_limit(&mut self) {
+        if self.shapes.values().map(Tally::count).fold(0, u64::saturating_add) > self.key[2] {
+            self.shapes.values_mut().for_each(Tally::count_in_cells);
+        }
+    }
+
+    /// Number of points that were added.
+    #[must_use]
+    pub fn points(&self) -> u64 {
+        self.points
+    }
+
+    /// Number of points with this outcome.
+    #[must_use]
+    pub fn count(&self, outcome: Outcome) -> u64 {
+        self.outcomes.get(&outcome).copied().unwrap_or(0)
+    }
+
+    /// Indices of the points that deviate most, the largest deviation first.
+    #[must_use]
+    pub fn worst_indices(&self) -> Vec<u64> {
+        self.worst.indices()
+    }
+
+    /// Gives the points indices that are larger by `first`: those in the cloud of which the part begins there.
+    pub fn shift(&mut self, first: u64) {
+        self.worst.shift(first);
     }
 
     /// Adds the result of another part.
@@ -117,9 +148,10 @@ impl Partial {
         if self.key != other.key {
             return Err(Error::DifferentOptions);
         }
-        self.points += other.points;
+        self.points = self.points.saturating_add(other.points);
         for (outcome, count) in &other.outcomes {
-            *self.outcomes.entry(*outcome).or_default() += count;
+            let own = self.outcomes.entry(*outcome).or_default();
+            *own = own.saturating_add(*count);
         }
         for (shape, tally) in &other.shapes {
             match self.shapes.get_mut(shape) {
@@ -129,8 +161,9 @@ impl Partial {
                 }
             }
         }
+        self.keep_to_limit();
         self.worst.merge(&other.worst);
-        self.restricted += other.restricted;
+        self.restricted = self.restricted.saturating_add(other.restricted);
         let gap = f64::from_bits(self.largest_gap).max(f64::from_bits(other.largest_gap));
         self.largest_gap = gap.to_bits();
         Ok(())
@@ -149,7 +182,7 @@ impl Partial {
             total.merge(tally)?;
         }
         let total = total.deviations(&options.tolerance);
-        let count = |outcome| self.outcomes.get(&outcome).copied().unwrap_or(0);
+        let count = |outcome| self.count(outcome);
         let per_shape = self.shapes.iter().map(|(&index, tally)| ShapeDeviations {
             index,
             info: shapes.get(index as usize).cloned().unwrap_or_default(),

@@ -62,10 +62,21 @@ impl Statistics {
     }
 }
 
-/// Sums and distribution from which statistics are made; the same for any order of values and any parts.
+/// Sums and distribution from which [`Statistics`] are made; the same for any order of values and any parts.
+///
+/// ```
+/// use inspection::Moments;
+///
+/// let (mut all, mut rest) = (Moments::new(1000), Moments::new(1000));
+/// all.extend([1.0, 2.0]);
+/// rest.extend([6.0]);
+/// all.merge(&rest)?;
+/// assert_eq!(all.statistics().map(|s| (s.count, s.mean)), Some((3, 3.0)));
+/// # Ok::<(), inspection::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct Moments {
+pub struct Moments {
     positive: u64,
     negative: u64,
     sum_positive: ExactSum,
@@ -77,7 +88,9 @@ pub(crate) struct Moments {
 }
 
 impl Moments {
-    pub(crate) fn new(exact_limit: usize) -> Self {
+    /// No values yet; up to `exact_limit` of them are kept, so that quantiles are exact.
+    #[must_use]
+    pub fn new(exact_limit: usize) -> Self {
         Self {
             positive: 0,
             negative: 0,
@@ -90,7 +103,7 @@ impl Moments {
     }
 
     /// Adds values. NaN and infinities are ignored.
-    pub(crate) fn extend(&mut self, values: impl IntoIterator<Item = f64>) {
+    pub fn extend(&mut self, values: impl IntoIterator<Item = f64>) {
         // A zero has no sign.
         let values: Vec<f64> = values.into_iter().filter(|v| v.is_finite()).map(|v| v + 0.0).collect();
         for &value in &values {
@@ -107,7 +120,11 @@ impl Moments {
         self.distribution.extend(values);
     }
 
-    pub(crate) fn merge(&mut self, other: &Self) -> Result<(), crate::Error> {
+    /// Adds the values of other sums.
+    ///
+    /// # Errors
+    /// [`Error::DifferentOptions`](crate::Error::DifferentOptions) if the limits differ.
+    pub fn merge(&mut self, other: &Self) -> Result<(), crate::Error> {
         self.positive += other.positive;
         self.negative += other.negative;
         self.sum_positive.merge(&other.sum_positive);
@@ -119,12 +136,25 @@ impl Moments {
         self.distribution.merge(&other.distribution)
     }
 
+    /// Number of finite values.
+    #[must_use]
+    pub fn count(&self) -> u64 {
+        self.distribution.count()
+    }
+
+    /// Keeps the values no more, as if there were more than the limit.
+    pub fn count_in_cells(&mut self) {
+        self.distribution.count_in_cells();
+    }
+
     fn widen(&mut self, min: f64, max: f64) {
         let [low, high] = self.extremes.map_or([min, max], |bits| bits.map(f64::from_bits));
         self.extremes = Some([low.min(min), high.max(max)].map(f64::to_bits));
     }
 
-    pub(crate) fn statistics(&self) -> Option<Statistics> {
+    /// The statistics; `None` without values.
+    #[must_use]
+    pub fn statistics(&self) -> Option<Statistics> {
         let [min, max] = self.extremes?.map(f64::from_bits);
         let count = self.distribution.count();
         let n = count as f64;

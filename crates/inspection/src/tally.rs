@@ -1,7 +1,6 @@
 //! What is counted of the points that belong to one surface.
 
-use crate::statistics::Moments;
-use crate::{Class, Error, Histogram, Statistics, Tolerance};
+use crate::{Class, Error, Histogram, Moments, Statistics, Tolerance};
 
 /// Counts and sums; merging is exact, so the order and the parts do not matter.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,16 +57,26 @@ impl Tally {
         self.moments.extend(measured.iter().map(|(distance, _)| *distance));
     }
 
+    /// Points that were measured.
+    pub(crate) fn count(&self) -> u64 {
+        self.under.saturating_add(self.within).saturating_add(self.over)
+    }
+
+    /// Keeps the values no more, but how many fall into each of many cells.
+    pub(crate) fn count_in_cells(&mut self) {
+        self.moments.count_in_cells();
+    }
+
     pub(crate) fn merge(&mut self, other: &Self) -> Result<(), Error> {
-        self.under += other.under;
-        self.within += other.within;
-        self.over += other.over;
-        self.on_boundary += other.on_boundary;
+        self.under = self.under.saturating_add(other.under);
+        self.within = self.within.saturating_add(other.within);
+        self.over = self.over.saturating_add(other.over);
+        self.on_boundary = self.on_boundary.saturating_add(other.on_boundary);
         self.moments.merge(&other.moments)
     }
 
     pub(crate) fn deviations(&self, tolerance: &Tolerance) -> Deviations {
-        let count = self.under + self.within + self.over;
+        let count = self.count();
         let share = |part: u64| if count > 0 { part as f64 / count as f64 } else { 0.0 };
         Deviations {
             count,

@@ -81,6 +81,15 @@ impl WorstPoints {
         self.shorten();
     }
 
+    pub(crate) fn indices(&self) -> Vec<u64> {
+        self.kept.iter().map(|kept| kept.index).collect()
+    }
+
+    /// Gives the points indices that are larger by `first`, which leaves their order.
+    pub(crate) fn shift(&mut self, first: u64) {
+        self.kept.iter_mut().for_each(|kept| kept.index = kept.index.saturating_add(first));
+    }
+
     fn shorten(&mut self) {
         self.kept.sort_unstable_by(Kept::order);
         self.kept.truncate(self.most);

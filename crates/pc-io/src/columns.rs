@@ -194,24 +194,32 @@ pub(crate) fn colours(channels: &[&Column], warnings: &mut Vec<String>) -> Optio
     let all_bytes = channels.iter().all(|column| column.kind == Kind::Byte);
     let scale = if all_bytes { 1.0 } else { colour_scale(channels, warnings)? };
     let mut rounded = false;
+    let colours = scaled_colours(channels, scale, &mut rounded)?;
+    if rounded {
+        warnings.push(ROUNDED_COLOURS.to_owned());
+    }
+    Some(colours)
+}
+
+/// Says that colours are not what they were.
+pub(crate) const ROUNDED_COLOURS: &str = "colours were rounded to 8 bits per channel";
+
+/// Colours from columns of numbers that a scale makes bytes; `rounded` becomes true where they were none.
+pub(crate) fn scaled_colours(channels: &[&Column], scale: f64, rounded: &mut bool) -> Option<Colours> {
     let mut byte = |value: f64| {
         let scaled = value * scale;
         let nearest = scaled.round();
         // A colour written as a float is still meant to be the byte it came from.
-        rounded |= (scaled - nearest).abs() > 1e-3;
+        *rounded |= (scaled - nearest).abs() > 1e-3;
         to_byte(nearest)
     };
-    let colours = match channels {
+    Some(match channels {
         [r, g, b] => Colours::Rgb(zip3([*r, *g, *b]).map(|colour| colour.map(&mut byte)).collect()),
         [r, g, b, a] => Colours::Rgba(
             (zip3([*r, *g, *b]).zip(&a.values)).map(|([r, g, b], &a)| [r, g, b, a].map(&mut byte)).collect(),
         ),
         _ => return None,
-    };
-    if rounded {
-        warnings.push("colours were rounded to 8 bits per channel".to_owned());
-    }
-    Some(colours)
+    })
 }
 
 /// What turns the numbers into bytes.
@@ -228,13 +236,12 @@ fn colour_scale(channels: &[&Column], warnings: &mut Vec<String>) -> Option<f64>
         Kind::Text => largest <= 1.0 && values().any(|value| value.fract() != 0.0),
         Kind::Byte | Kind::Integer => false,
     };
-    Some(if fractions {
-        255.0
-    } else if largest <= 255.0 {
-        1.0
-    } else {
-        1.0 / 257.0
-    })
+    Some(if fractions { 255.0 } else { integer_scale(largest) })
+}
+
+/// What turns integers of which this is the largest into bytes.
+pub(crate) fn integer_scale(largest: f64) -> f64 {
+    if largest <= 255.0 { 1.0 } else { 1.0 / 257.0 }
 }
 
 #[expect(

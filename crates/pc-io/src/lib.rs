@@ -39,6 +39,7 @@
 //! ```
 
 mod atomic;
+mod cloud_pieces;
 mod columns;
 mod content;
 #[cfg(feature = "e57")]
@@ -62,19 +63,23 @@ mod pieces;
 mod ply;
 mod polylines;
 mod ptx;
+mod ptx_pieces;
 mod read;
 mod report;
+mod sample;
 mod scanner;
 mod scans;
 mod shape;
 mod source;
 mod stl;
+mod text_lines;
 mod unfinished;
 mod wording;
 mod write;
 mod xyz;
 
 pub use atomic::AtomicFile;
+pub use cloud_pieces::read_cloud_pieces;
 pub use content::{Content, Loaded};
 pub use error::{Error, Location, Place};
 pub use format::Format;
@@ -82,12 +87,15 @@ pub use mesh_core;
 pub use model::{Model, Shape};
 pub use number::write_number;
 pub use nurbs_core;
-pub use pieces::{Piece, is_read_in_pieces, read_pieces};
+pub use pieces::{Piece, is_read_in_pieces, read_pieces, read_range};
 pub use polylines::{PolylineFormat, write_polylines};
 pub(crate) use read::not_points;
 pub use read::{read, read_bytes, read_cloud, read_from, read_mesh, read_model};
 pub use report::{ReadOptions, ReadReport, WriteOptions, WriteReport};
+pub use sample::read_sample;
 pub use scans::Scan;
 pub use unfinished::{Unfinished, remove_unfinished};
-pub use write::{write, write_cloud, write_mesh, write_model, write_to};
+pub use write::{
+    is_written_in_pieces, write, write_cloud, write_cloud_pieces, write_mesh, write_model, write_to,
+};
 pub use xyz::write_text;

@@ -2,14 +2,19 @@
 
 use std::fs::{self, File};
 use std::io::{BufReader, Read, Seek, SeekFrom};
+use std::ops::Range;
 use std::path::Path;
 
 use mesh_core::PointCloud;
 use nalgebra::{Point3, Vector3};
 
+use crate::format::recognise;
 use crate::parsed::Parsed;
+use crate::ptx_pieces::Grids;
 #[cfg(any(feature = "las", feature = "e57"))]
 use crate::scanner;
+use crate::source::Source;
+use crate::xyz::pieces::Table;
 use crate::{Error, Format, ReadOptions, ReadReport, ply};
 
 /// Some of the points of a file, in their order, with nothing but normals.
@@ -22,6 +27,16 @@ pub struct Piece {
 }
 
 impl Piece {
+    /// Leaves the points with these places in the piece.
+    fn cut(&mut self, range: Range<usize>) {
+        self.positions.truncate(range.end);
+        self.positions.drain(..range.start.min(self.positions.len()));
+        if let Some(normals) = &mut self.normals {
+            normals.truncate(range.end);
+            normals.drain(..range.start.min(normals.len()));
+        }
+    }
+
     /// Drops the points that are not finite if `drop` says so; returns how many there were.
     fn sift(&mut self, drop: bool) -> usize {
         let is_finite = |point: &Point3<f64>| point.iter().all(|value| value.is_finite());
@@ -44,13 +59,36 @@ pub(crate) struct Taker<'a, E> {
     take: &'a mut dyn FnMut(Piece) -> Result<(), E>,
     failed: Option<E>,
     drop_non_finite: bool,
+    /// The numbers of the points that are wanted.
+    range: Range<u64>,
+    /// The number of the point that is read next.
+    next: u64,
+    /// Number of the points in the file, where that is known before they are read.
+    total: Option<u64>,
     points: usize,
     non_finite: usize,
 }
 
 impl<E> Taker<'_, E> {
-    /// Hands a piece over; false if no more are wanted.
+    /// The numbers of the points to be read of a file that holds `total` and is read from any of them on.
+    pub(crate) fn begin(&mut self, total: u64) -> Range<u64> {
+        self.total = Some(total);
+        let start = self.range.start.min(total);
+        self.next = start;
+        start..self.range.end.clamp(start, total)
+    }
+
+    /// Hands a piece over, or what is wanted of it; false if reading failed.
     pub(crate) fn give(&mut self, mut piece: Piece) -> bool {
+        let count = piece.positions.len();
+        let place = |number: u64| {
+            usize::try_from(number.saturating_sub(self.next)).map_or(count, |place| place.min(count))
+        };
+        let wanted = place(self.range.start)..place(self.range.end);
+        self.next += count as u64;
+        if wanted != (0..count) {
+            piece.cut(wanted);
+        }
         self.points += piece.positions.len();
         self.non_finite += piece.sift(self.drop_non_finite);
         if piece.positions.is_empty() {
@@ -63,9 +101,10 @@ impl<E> Taker<'_, E> {
 
 /// Reads the points of a file in pieces of at most `limit` points, in memory for one piece, and hands them to `take`.
 ///
-/// Files of LAS, LAZ and E57, and binary PLY of points alone (without triangles and texts), can be read so; `None` for all
-/// others, before `take` was called: [`read`](crate::read) takes them. Coordinates and normals have the bits that
-/// [`read`](crate::read) gives them; what else points carry is not looked at, and not warned about.
+/// Files of LAS, LAZ and E57, binary PLY of points alone (without triangles and texts), PTX, and tables (XYZ, CSV, PTS) of three
+/// coordinates without names or texts, can be read so; `None` for all others, and for texts in which anything is wrong, before `take`
+/// was called: [`read`](crate::read) takes them. Coordinates and normals have the bits that [`read`](crate::read) gives them; what
+/// else points carry is not looked at, and not warned about. Texts are gone through twice, first to see that all lines are alike.
 ///
 /// ```
 /// use pc_io::mesh_core::PointCloud;
@@ -92,13 +131,33 @@ pub fn read_pieces<E: From<Error>>(
     path: impl AsRef<Path>,
     options: &ReadOptions,
     limit: usize,
-    mut take: impl FnMut(Piece) -> Result<(), E>,
+    take: impl FnMut(Piece) -> Result<(), E>,
 ) -> Result<Option<ReadReport>, E> {
+    Ok(read_range(path, options, 0..u64::MAX, limit, take)?.map(|(report, _)| report))
+}
+
+/// As [`read_pieces`], of the points alone whose numbers in the file, from 0 on, are in `range`; the report counts these. Also
+/// returned is the number of all points of the file, from which a range that reaches beyond them can be told.
+///
+/// Binary PLY, LAS and LAZ are read from the first point of the range on, E57 from the beginning to the end.
+///
+/// # Errors
+/// As [`read_pieces`].
+pub fn read_range<E: From<Error>>(
+    path: impl AsRef<Path>,
+    options: &ReadOptions,
+    range: Range<u64>,
+    limit: usize,
+    mut take: impl FnMut(Piece) -> Result<(), E>,
+) -> Result<Option<(ReadReport, u64)>, E> {
     let (path, limit) = (path.as_ref(), limit.max(1));
     let mut taker = Taker {
         take: &mut take,
         failed: None,
         drop_non_finite: options.drop_non_finite,
+        range,
+        next: 0,
+        total: None,
         points: 0,
         non_finite: 0,
     };
@@ -107,7 +166,7 @@ pub fn read_pieces<E: From<Error>>(
         return Err(error);
     }
     let Some(parsed) = found.map_err(|error| error.in_file(path))? else { return Ok(None) };
-    let (points, non_finite) = (taker.points, taker.non_finite);
+    let (points, non_finite, total) = (taker.points, taker.non_finite, taker.total.unwrap_or(taker.next));
     let loaded =
         crate::read::load(parsed, Format::from_path(path), options).map_err(|error| error.in_file(path))?;
     let mut warnings = loaded.report.warnings;
@@ -116,7 +175,7 @@ pub fn read_pieces<E: From<Error>>(
     let dropped = if options.drop_non_finite { non_finite } else { 0 };
     let report =
         ReadReport { path: Some(path.to_path_buf()), points, non_finite, dropped, warnings, ..loaded.report };
-    Ok(Some(report))
+    Ok(Some((report, total)))
 }
 
 /// Reads the points; what is left for the report.
@@ -131,9 +190,12 @@ fn read_into<E>(
         return scanner::read_pieces(format, input, options, limit, taker).map(Some);
     }
     let failed = |source| Error::Io { path: path.to_path_buf(), action: "read", source };
-    let Some((mut file, rows)) = open_ply(path, options).map_err(failed)? else { return Ok(None) };
-    file.seek(SeekFrom::Start(rows.start)).map_err(failed)?;
-    let mut left = rows.count;
+    let Some((mut file, rows)) = open_ply(path, options).map_err(failed)? else {
+        return read_text(path, options, limit, taker).map_err(failed);
+    };
+    let range = taker.begin(rows.count);
+    file.seek(SeekFrom::Start(rows.start + range.start * rows.stride as u64)).map_err(failed)?;
+    let mut left = range.end - range.start;
     let mut bytes = Vec::new();
     while left > 0 {
         let count = usize::try_from(left).unwrap_or(usize::MAX).min(limit);
@@ -147,8 +209,59 @@ fn read_into<E>(
     Ok(Some(Parsed::cloud(Format::Ply, PointCloud::new(Vec::new()), Vec::new())))
 }
 
+/// A text file that can be read piece by piece, and what its survey told.
+pub(crate) enum Text {
+    Table(Box<Table>),
+    Grids(Grids),
+}
+
+/// Opens a table or the grids of PTX, and looks through it.
+pub(crate) fn open_text(path: &Path, options: &ReadOptions) -> std::io::Result<Option<(File, Text)>> {
+    if !fs::metadata(path)?.is_file() {
+        return Ok(None);
+    }
+    let mut file = File::open(path)?;
+    let head = crate::xyz::pieces::head(&mut file)?;
+    // Letters of two bytes, and whatever is no text.
+    if head.contains(&0) || head.starts_with(b"\xff\xfe") || head.starts_with(b"\xfe\xff") {
+        return Ok(None);
+    }
+    let text = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&head);
+    let format = options.format.or_else(|| recognise(Source { data: text }, Format::from_path(path)).ok());
+    let opened = match format {
+        Some(format) if format.is_table() => {
+            Table::survey(&mut file, &head, options)?.map(|table| Text::Table(Box::new(table)))
+        }
+        // A mark of the encoding stands before the first count.
+        Some(Format::Ptx) if text.len() == head.len() => Grids::survey(&file, options)?.map(Text::Grids),
+        _ => None,
+    };
+    Ok(opened.map(|text| (file, text)))
+}
+
+fn read_text<E>(
+    path: &Path,
+    options: &ReadOptions,
+    limit: usize,
+    taker: &mut Taker<'_, E>,
+) -> std::io::Result<Option<Parsed>> {
+    let Some((mut file, text)) = open_text(path, options)? else { return Ok(None) };
+    let nothing = || PointCloud::new(Vec::new());
+    Ok(Some(match text {
+        Text::Table(table) => {
+            table.read(&mut file, limit, taker)?;
+            Parsed::cloud(table.format(), nothing(), table.warnings().to_vec())
+        }
+        Text::Grids(grids) => {
+            grids.read(&file, options, limit, taker)?;
+            let scans = grids.scans;
+            Parsed { scans, ..Parsed::cloud(Format::Ptx, nothing(), grids.warnings) }
+        }
+    }))
+}
+
 /// Opens a binary PLY file of points alone.
-fn open_ply(
+pub(crate) fn open_ply(
     path: &Path,
     options: &ReadOptions,
 ) -> std::io::Result<Option<(BufReader<File>, ply::PointRows)>> {
@@ -173,4 +286,5 @@ pub fn is_read_in_pieces(path: impl AsRef<Path>, options: &ReadOptions) -> bool 
         return true;
     }
     open_ply(path, options).is_ok_and(|opened| opened.is_some())
+        || open_text(path, options).is_ok_and(|opened| opened.is_some())
 }

@@ -26,7 +26,7 @@ pub(crate) fn looks_like(head: &[u8]) -> bool {
     counts && HEAD.into_iter().all(|length| numbers(next()).is_some_and(|numbers| numbers.len() == length))
 }
 
-fn numbers(line: &[u8]) -> Option<Vec<f64>> {
+pub(crate) fn numbers(line: &[u8]) -> Option<Vec<f64>> {
     words(line).take(9).map(parse).collect()
 }
 
@@ -56,11 +56,7 @@ pub(crate) fn read(source: Source<'_>, options: &ReadOptions) -> Result<Parsed, 
     while let Some((at, line)) = lines.find(|(_, line)| !line.trim_ascii().is_empty()) {
         let head = Head::read(source, (at, line), &mut lines)?;
         if !head.is_rigid() {
-            warnings.push(format!(
-                "the matrix of scan {} (line {}) is no rigid motion; it was applied as it is",
-                scan + 1,
-                source.line_at(at)
-            ));
+            warnings.push(not_rigid(scan, source.line_at(at)));
         }
         let (before, missing) = (points.positions.len(), points.missing);
         points.read_scan(source, &mut lines, &head, scan)?;
@@ -69,19 +65,14 @@ pub(crate) fn read(source: Source<'_>, options: &ReadOptions) -> Result<Parsed, 
             points.missing = missing;
         } else {
             let points = points.positions.len() - before;
-            // Points are rows in the file, and columns in a pose.
-            let pose = [0, 1, 2, 3].map(|row| [0, 1, 2, 3].map(|column| head.matrix[(column, row)]));
-            scans.push(Scan { number: scan as usize, name: None, points, pose: Some(pose) });
+            scans.push(Scan { number: scan as usize, name: None, points, pose: Some(head.pose()) });
         }
         scan += 1;
     }
     // Scans have no names here, and their number is known only now.
     chosen(choice, &vec![None; scan as usize])?;
     if points.missing > 0 {
-        warnings.push(format!(
-            "left out: {} of the grids without a point (0 0 0)",
-            counted(points.missing, "place")
-        ));
+        warnings.push(left_out(points.missing));
     }
     let mut attributes = Attributes::default();
     if points.width.is_some_and(|width| width > 3) {
@@ -97,15 +88,29 @@ pub(crate) fn read(source: Source<'_>, options: &ReadOptions) -> Result<Parsed, 
     Ok(Parsed { scans, ..Parsed::cloud(Format::Ptx, cloud, warnings) })
 }
 
+/// Says that the pose of a scan, from 0 on, is none.
+pub(crate) fn not_rigid(scan: u32, line: usize) -> String {
+    format!("the matrix of scan {} (line {line}) is no rigid motion; it was applied as it is", scan + 1)
+}
+
+/// Says that places of the grids hold no point.
+pub(crate) fn left_out(missing: usize) -> String {
+    format!("left out: {} of the grids without a point (0 0 0)", counted(missing, "place"))
+}
+
 /// What stands before the points of a scan.
-struct Head {
+pub(crate) struct Head {
     /// Columns times rows.
-    count: u64,
-    matrix: Matrix4<f64>,
+    pub(crate) count: u64,
+    pub(crate) matrix: Matrix4<f64>,
 }
 
 impl Head {
-    fn read(source: Source<'_>, (at, line): (usize, &[u8]), lines: &mut Lines<'_>) -> Result<Self, Error> {
+    pub(crate) fn read(
+        source: Source<'_>,
+        (at, line): (usize, &[u8]),
+        lines: &mut Lines<'_>,
+    ) -> Result<Self, Error> {
         let mut next = |what: &str| {
             lines.next().ok_or_else(|| {
                 let what = format!("the file ends where {what} is expected");
@@ -149,7 +154,18 @@ impl Head {
         Ok(Self { count: columns.saturating_mul(rows), matrix })
     }
 
-    fn is_rigid(&self) -> bool {
+    /// Moves a point of the scanner to where it stood.
+    pub(crate) fn place(&self, [x, y, z]: [f64; 3]) -> Point3<f64> {
+        let row = nalgebra::RowVector4::new(x, y, z, 1.0) * self.matrix;
+        Point3::new(row[0], row[1], row[2])
+    }
+
+    /// The pose of the scanner: points are rows in the file, and columns here.
+    pub(crate) fn pose(&self) -> [[f64; 4]; 4] {
+        [0, 1, 2, 3].map(|row| [0, 1, 2, 3].map(|column| self.matrix[(column, row)]))
+    }
+
+    pub(crate) fn is_rigid(&self) -> bool {
         let turn = self.matrix.fixed_view::<3, 3>(0, 0);
         (turn * turn.transpose() - nalgebra::Matrix3::identity()).amax() <= RIGID && turn.determinant() > 0.0
     }
@@ -192,9 +208,7 @@ impl Points {
                 self.missing += 1;
                 continue;
             }
-            let [x, y, z] = [numbers[0], numbers[1], numbers[2]];
-            let row = nalgebra::RowVector4::new(x, y, z, 1.0) * head.matrix;
-            self.positions.push(Point3::new(row[0], row[1], row[2]));
+            self.positions.push(head.place([numbers[0], numbers[1], numbers[2]]));
             self.scans.push(f64::from(scan));
             if let Some(&intensity) = numbers.get(3) {
                 self.intensities.push(intensity);

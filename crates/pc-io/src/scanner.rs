@@ -8,6 +8,7 @@ use crate::{Error, Format, Place};
 use crate::{ReadOptions, foreign::Input, parsed::Parsed, pieces::Taker};
 
 /// Bytes that tell these formats from others.
+#[cfg(any(feature = "las", feature = "e57"))]
 pub(crate) const MAGIC: usize = 8;
 
 /// The format that the first bytes of a file tell, among those that are built in.

@@ -193,7 +193,7 @@ fn write_shape(target: Target<'_>, shape: Shape<'_>, options: &WriteOptions) -> 
         Format::Ply => ply::write(out, shape, options.ascii, &mut warnings),
         Format::Xyz => xyz::write_xyz(out, shape, &mut warnings),
         Format::Csv => xyz::write_csv(out, shape, &mut warnings),
-        Format::Pts => xyz::write_pts(out, shape, &mut warnings),
+        Format::Pts => xyz::write_pts(out, shape, shape.positions().len(), &mut warnings),
         Format::Obj => obj::write(out, shape, &mut warnings),
         Format::Stl => stl::write(out, shape, &mut warnings),
         Format::Off => off::write(out, shape, &mut warnings),
@@ -214,6 +214,65 @@ fn write_shape(target: Target<'_>, shape: Shape<'_>, options: &WriteOptions) -> 
         bytes,
         warnings,
     })
+}
+
+/// Whether [`write_cloud_pieces`] writes a format.
+#[must_use]
+pub fn is_written_in_pieces(path: impl AsRef<Path>, options: &WriteOptions) -> bool {
+    let format = options.format.or_else(|| Format::from_path(path.as_ref()));
+    matches!(format, Some(Format::Ply | Format::Xyz | Format::Csv | Format::Pts))
+}
+
+/// Writes `count` points piece by piece, as `fill` hands them over: the same bytes as those of all points together. The pieces carry
+/// the same attributes, and no texts. The file appears whole or not at all.
+///
+/// # Errors
+/// As [`write()`], [`Error::Unsupported`] for formats other than PLY, XYZ, CSV and PTS, and what `fill` fails with.
+pub fn write_cloud_pieces<E: From<Error>>(
+    path: impl AsRef<Path>,
+    options: &WriteOptions,
+    count: usize,
+    fill: impl FnOnce(&mut dyn FnMut(&PointCloud) -> Result<(), E>) -> Result<(), E>,
+) -> Result<WriteReport, E> {
+    let path = path.as_ref();
+    let format = format_of(path, options)?;
+    if !is_written_in_pieces(path, options) {
+        let what = format!("{format} is not written piece by piece");
+        return Err(Error::unsupported(Place::Whole, what, "choose ply, xyz, csv or pts")
+            .in_file(path)
+            .into());
+    }
+    let failed = |source| Error::Io { path: path.to_path_buf(), action: "write", source };
+    let mut file = AtomicFile::create(path)?;
+    let (mut warnings, mut is_first, ascii) = (Vec::new(), true, options.ascii);
+    let mut write = |cloud: &PointCloud| -> Result<(), E> {
+        let (out, shape): (&mut dyn Write, _) = (&mut file, Shape { cloud, triangles: &[] });
+        let written = match (format, is_first) {
+            (Format::Ply, true) => ply::write_first(out, shape, count, ascii, &mut warnings),
+            (Format::Ply, false) => ply::write_more(out, shape, ascii),
+            (Format::Pts, true) => xyz::write_pts(out, shape, count, &mut warnings),
+            (Format::Pts, false) => xyz::write_more_pts(out, shape),
+            (Format::Csv, true) => xyz::write_csv(out, shape, &mut warnings),
+            (_, true) => xyz::write_xyz(out, shape, &mut warnings),
+            (_, false) => xyz::write_more(out, shape, format == Format::Csv),
+        };
+        is_first = false;
+        Ok(written.map_err(failed)?)
+    };
+    let mut empty = None;
+    fill(&mut |cloud| {
+        if cloud.is_empty() {
+            empty.get_or_insert_with(|| cloud.clone());
+            return Ok(());
+        }
+        write(cloud)
+    })?;
+    if let Some(cloud) = empty.filter(|_| count == 0) {
+        write(&cloud)?;
+    }
+    let bytes = file.commit()?;
+    let path = path.to_path_buf();
+    Ok(WriteReport { path, format, points: count, triangles: 0, shapes: 0, bytes, warnings })
 }
 
 fn format_of(path: &Path, options: &WriteOptions) -> Result<Format, Error> {

@@ -7,6 +7,7 @@
 (True, True)
 """
 
+from . import distributed
 from ._command import IndgeoWarning
 from ._indgeo import __version__
 from .clouds import Cloud, Mesh
@@ -42,6 +43,7 @@ __all__ = [
     "Views",
     "__version__",
     "command",
+    "distributed",
     "fit_curve",
     "fit_surface",
     "inspect",

@@ -61,6 +61,11 @@ def _frame(columns: dict[str, NDArray]) -> Any:
 
 @dataclass(eq=False)
 class _PerPoint(Result):
+    """A result with a row per point.
+
+    columns: each column of the command line by its name, (N,).
+    """
+
     columns: dict[str, NDArray] = field(repr=False)
 
     def to_pandas(self) -> Any:
@@ -72,7 +77,7 @@ class _PerPoint(Result):
 class Projection(_PerPoint):
     """Footpoints, one per point and in the order of the points.
 
-    distance (N,): signed where the model has sides; NaN for points that are not finite.
+    distance (N,): in the unit of the files, signed where the model has sides; NaN for points that are not finite.
     foot (N, D), parameter (N, 1 or 2; none on a mesh), shape (N,): where the foot is.
     lower_bound (N,): proven; no point of the model is nearer.
     point_status (N,): `converged`, `on_boundary`, `uncertified`, `invalid_point`, ...
@@ -103,7 +108,7 @@ class Projection(_PerPoint):
 class Inspection(_PerPoint):
     """Deviations of points from a model, judged by a tolerance.
 
-    deviation (N,): signed, positive on the side of the normals; NaN for points that were not measured.
+    deviation (N,): in the unit of the files, positive on the side of the normals; NaN for points that were not measured.
     foot (N, 3): where each was measured.
     outcome (N,): `within`, `under`, `over`, or why a point was not measured, as in the column `result` of the command line.
     """
@@ -146,7 +151,9 @@ class Inspection(_PerPoint):
 class Registration(Result):
     """A motion that lays points on a model: x ↦ matrix · x in homogeneous coordinates.
 
-    matrix (4, 4), its rotation times `scale` and its translation.
+    matrix (4, 4): its rotation times `scale`, and its translation in the unit of the files.
+    scale: 1 unless a scale was asked for.
+    rms: root mean square distance of the points that count from the model, in the unit of the files; NaN without points.
     """
 
     matrix: NDArray[np.float64]
@@ -178,7 +185,9 @@ class Registration(Result):
 class Views(Result):
     """Poses of many views.
 
-    matrices (K, 4, 4): of view i that which brings it into the common frame; NaN where its place was not found.
+    matrices (K, 4, 4): of view i that which brings it into the common frame; NaN where its place was not found. Translations are in the
+    unit of the files.
+    rms: root mean square distance of the matched points, in that unit; None without any.
     """
 
     matrices: NDArray[np.float64] = field(repr=False)
@@ -190,6 +199,8 @@ class Views(Result):
 
 @dataclass(eq=False)
 class _Fit(Result):
+    """What all fits report."""
+
     @property
     def _numbers(self) -> dict[str, Any]:
         return self.report["results"]
@@ -215,7 +226,10 @@ class _Fit(Result):
 
 @dataclass(eq=False)
 class CurveFit(_Fit):
-    """A fitted curve; `model` holds all of them where the points are several outlines."""
+    """A fitted curve.
+
+    model: the curve, or all of them where the points are several outlines, in the unit of the points.
+    """
 
     model: Model
 
@@ -227,7 +241,10 @@ class CurveFit(_Fit):
 
 @dataclass(eq=False)
 class SurfaceFit(_Fit):
-    """A fitted surface."""
+    """A fitted surface.
+
+    surface: a B-spline surface, rational where weights were asked for, in the unit of the points.
+    """
 
     surface: Surface
 

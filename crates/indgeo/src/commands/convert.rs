@@ -5,6 +5,7 @@ use crate::cad_conversion;
 use crate::cad_output::{self, CadArgs, CadFormat};
 use crate::cad_tessellating;
 use crate::contour::refused;
+use crate::converting_pieces;
 use crate::error::Error;
 use crate::files;
 use crate::report::{Input, Output, Report, Results, Timings};
@@ -12,11 +13,13 @@ use crate::tessellating::{self, Tessellated};
 use crate::wording::{counted, not_finite};
 use industrial_geometry::distance_field::MlsField;
 use industrial_geometry::io::{
-    Content, Format, Model, PolylineFormat, ReadOptions, WriteOptions, WriteReport, write_polylines,
+    Content, Format, Model, PolylineFormat, ReadOptions, ReadReport, WriteOptions, WriteReport,
+    write_polylines,
 };
 use industrial_geometry::level_set::surface::{mesh_of_cloud, remesh};
 use serde::Serialize;
 use std::path::PathBuf;
+use std::time::Instant;
 
 /// Write points, triangles, NURBS or CAD models in another format
 ///
@@ -279,6 +282,46 @@ impl Args {
             }
         }
     }
+
+    /// Tells what was read and written; `within` is how far the result is from what.
+    fn conclude(
+        &self,
+        read: &ReadReport,
+        written: &Written,
+        described: &str,
+        within: Option<(f64, &str)>,
+        report: &mut Report,
+    ) -> Outcome {
+        let all = [(&self.input, &read.warnings), (&self.output, &written.warnings)];
+        for (path, warnings) in all {
+            report.warnings.extend(warnings.iter().map(|warning| format!("{}: {warning}", path.display())));
+        }
+        if read.non_finite > 0 {
+            let fate = if read.dropped > 0 { "left out" } else { "kept (--drop-non-finite leaves them out)" };
+            report.warnings.push(not_finite(&self.input, read.non_finite, read.points, fate));
+        }
+        report.results = Some(Results::Converted(ConvertResults {
+            format: written.format,
+            points: written.points,
+            triangles: written.triangles,
+            shapes: written.shapes,
+            polylines: written.polylines,
+            chord: within.map(|(chord, _)| chord),
+        }));
+        report.add_output(Output {
+            path: self.output.clone(),
+            bytes: written.bytes,
+            content: described.to_owned(),
+        });
+        let summary = format!(
+            "{}: {described} as {}, {}{}",
+            self.output.display(),
+            written.format.to_ascii_uppercase(),
+            counted(written.bytes, "byte"),
+            within.map_or_else(String::new, |(chord, what)| format!(", within {chord} of the {what}"))
+        );
+        Outcome::new(summary, true)
+    }
 }
 
 /// Whether each polyline lies in a plane of constant z.
@@ -304,6 +347,19 @@ pub(crate) fn run(args: &Args, report: &mut Report) -> Result<Outcome, Error> {
         .with_drop_non_finite(args.drop_non_finite)
         .with_decimal_comma(args.decimal_comma)
         .with_scan(Some(args.scan.clone()));
+    if let (Some(Form::Content(format)), None, None) = (form, args.grid, args.chord) {
+        let options_out = WriteOptions { format: Some(format), ascii: args.ascii };
+        let began = Instant::now();
+        if let Some((read, written)) =
+            converting_pieces::convert(&args.input, &args.output, &options, &options_out)?
+        {
+            timings.write = began.elapsed().as_secs_f64();
+            report.timings = timings;
+            report.add_input(Input::new("file", &args.input, &read));
+            let described = format!("a cloud of {}", counted(written.points, "point"));
+            return Ok(args.conclude(&read, &written.into(), &described, None, report));
+        }
+    }
     let loaded = if cad_conversion::is_read_as_bytes(&args.input) {
         let bytes = Timings::measure(&mut timings.read, || files::read_bytes(&args.input))?;
         if cad_conversion::is_cad(&bytes) {
@@ -361,39 +417,6 @@ pub(crate) fn run(args: &Args, report: &mut Report) -> Result<Outcome, Error> {
     }
     let written = Timings::measure(&mut timings.write, || args.write(&content))?;
     report.timings = timings;
-    let all = [(&args.input, &loaded.report.warnings), (&args.output, &written.warnings)];
-    for (path, warnings) in all {
-        report.warnings.extend(warnings.iter().map(|warning| format!("{}: {warning}", path.display())));
-    }
-    if loaded.report.non_finite > 0 {
-        let fate =
-            if loaded.report.dropped > 0 { "left out" } else { "kept (--drop-non-finite leaves them out)" };
-        let read = &loaded.report;
-        report.warnings.push(not_finite(&args.input, read.non_finite, read.points, fate));
-    }
-    report.results = Some(Results::Converted(ConvertResults {
-        format: written.format,
-        points: written.points,
-        triangles: written.triangles,
-        shapes: written.shapes,
-        polylines: written.polylines,
-        chord,
-    }));
-    report.add_output(Output {
-        path: args.output.clone(),
-        bytes: written.bytes,
-        content: content.describe(),
-    });
-    let summary = format!(
-        "{}: {} as {}, {}{}",
-        args.output.display(),
-        content.describe(),
-        written.format.to_ascii_uppercase(),
-        counted(written.bytes, "byte"),
-        chord.map_or_else(String::new, |chord| format!(
-            ", within {chord} of the {}",
-            if is_made_anew { "input" } else { "shapes" }
-        ))
-    );
-    Ok(Outcome::new(summary, true))
+    let within = chord.map(|chord| (chord, if is_made_anew { "input" } else { "shapes" }));
+    Ok(args.conclude(&loaded.report, &written, &content.describe(), within, report))
 }

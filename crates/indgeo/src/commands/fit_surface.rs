@@ -9,6 +9,7 @@ use crate::error::Error;
 use crate::fitting_model;
 use crate::fitting_surface::{self, Job};
 use crate::report::Report;
+use crate::sampling;
 use crate::summary;
 use clap::ValueEnum;
 use industrial_geometry::fit::{BaseShape, NetSize, SurfaceOptions};
@@ -35,6 +36,9 @@ pub(crate) struct Args {
     /// The surface: STEP (.step, .stp), IGES (.igs, .iges), else NURBS JSON; `-` is standard output (JSON)
     #[arg(long, short, value_name = "OUT")]
     out: Option<PathBuf>,
+    /// Use an even sample of N points of a file that holds more (binary PLY, LAS, LAZ, E57, PTX, plain tables)
+    #[arg(long, value_name = "N", default_value_t = sampling::MOST, value_parser = clap::value_parser!(u32).range(100..))]
+    sample: u32,
     /// Largest distance of a point that is wanted, in the units of the file
     #[arg(long, value_name = "T", value_parser = numbers::length)]
     tolerance: Option<f64>,
@@ -161,6 +165,7 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
     };
     let job = Job {
         points,
+        sample: args.sample,
         init: args.init.as_deref(),
         controls: args.controls,
         out: args.out.as_deref(),

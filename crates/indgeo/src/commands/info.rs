@@ -3,6 +3,7 @@
 use super::Outcome;
 use crate::args::Common;
 use crate::cad::{CadModel, Choice};
+use crate::converting_pieces;
 use crate::error::Error;
 use crate::files;
 use crate::model::{Loaded, kind};
@@ -12,7 +13,7 @@ use industrial_geometry::io::{Content, ReadOptions, ReadReport, Scan, Shape};
 use industrial_geometry::mesh::nalgebra::Point3;
 use industrial_geometry::mesh::{Attributes, BoundingBox, MeshTopology, TriangleMesh};
 use industrial_geometry::nurbs::{BsplineCurve, BsplineSurface, KnotVector};
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -68,6 +69,35 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
                 continue;
             }
         }
+        match Timings::measure(&mut timings.read, || converting_pieces::describe(path, &options)) {
+            Ok(None) => {}
+            Ok(Some(found)) => {
+                let mut fact =
+                    json!({ "path": path.to_string_lossy(), "format": found.read.format.extension() });
+                let more = json!({
+                    "kind": "cloud",
+                    "dimension": 3,
+                    "points": found.read.points,
+                    "non_finite": found.read.non_finite,
+                    "attributes": attributes(&found.attributes),
+                    "bounding_box": bounds(found.bounds),
+                });
+                if let (Value::Object(fact), Value::Object(more)) = (&mut fact, more) {
+                    fact.extend(more);
+                    insert_scans(fact, &found.read);
+                }
+                told(path, &found.read, report);
+                // Writing to memory cannot fail.
+                let _ = write_text(&mut summary, &fact);
+                facts.push(fact);
+                continue;
+            }
+            Err(error) => {
+                facts.push(json!({ "path": path.to_string_lossy(), "error": error.to_string() }));
+                errors.push(error);
+                continue;
+            }
+        }
         let loaded = match Timings::measure(&mut timings.read, || files::read(path, &options)) {
             Ok(loaded) => loaded,
             Err(error) => {
@@ -77,9 +107,7 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
                 continue;
             }
         };
-        report.add_input(Input::new("file", path, &loaded.report));
-        let warnings = loaded.report.warnings.iter();
-        report.warnings.extend(warnings.map(|warning| format!("{}: {warning}", path.display())));
+        told(path, &loaded.report, report);
         let fact = describe(path, &loaded.content, &loaded.report);
         // Writing to memory cannot fail.
         let _ = write_text(&mut summary, &fact);
@@ -95,6 +123,12 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         session::tell(common, false, &outcome, &report.warnings)?;
     }
     Err(Error::Files { errors })
+}
+
+/// Adds a file that was read, and what the reader said.
+fn told(path: &Path, read: &ReadReport, report: &mut Report) {
+    report.add_input(Input::new("file", path, read));
+    report.warnings.extend(read.warnings.iter().map(|warning| format!("{}: {warning}", path.display())));
 }
 
 /// The facts about a file, as the report has them.
@@ -119,12 +153,17 @@ fn describe(path: &Path, content: &Content, report: &ReadReport) -> Value {
     };
     if let (Value::Object(fact), Value::Object(more)) = (&mut fact, more) {
         fact.extend(more);
-        if !report.scans.is_empty() {
-            let scan = |scan: &Scan| json!({ "index": scan.number, "name": scan.name, "points": scan.points, "pose": scan.pose });
-            fact.insert("scans".to_owned(), report.scans.iter().map(scan).collect());
-        }
+        insert_scans(fact, report);
     }
     fact
+}
+
+/// Adds the scans of a file of several.
+fn insert_scans(fact: &mut Map<String, Value>, report: &ReadReport) {
+    if !report.scans.is_empty() {
+        let scan = |scan: &Scan| json!({ "index": scan.number, "name": scan.name, "points": scan.points, "pose": scan.pose });
+        fact.insert("scans".to_owned(), report.scans.iter().map(scan).collect());
+    }
 }
 
 fn describe_mesh(mesh: &TriangleMesh, report: &ReadReport) -> Value {

@@ -9,8 +9,10 @@ use crate::error::Error;
 use crate::inspecting::{self, Job, Motion};
 use crate::output::Format;
 use crate::report::Report;
+use crate::scan_files;
 use crate::summary;
-use industrial_geometry::inspection::{Along, InspectionOptions, Tolerance};
+use industrial_geometry::inspection::{Along, Inspection, InspectionOptions, Tolerance};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// Measure the deviations of POINTS from MODEL and judge them by a tolerance
@@ -24,8 +26,10 @@ pub(crate) struct Args {
     model: PathBuf,
     #[command(flatten)]
     cad: Choice,
-    /// Points: PLY, XYZ, CSV, PTS, PTX, PCD, LAS, LAZ, E57, OBJ, STL or OFF; of a mesh its vertices
-    points: PathBuf,
+    /// Points: PLY, XYZ, CSV, PTS, PTX, PCD, LAS, LAZ, E57, OBJ, STL or OFF; of a mesh its vertices. Several files, or a folder of
+    /// them, are one cloud, in the order of their paths
+    #[arg(required = true, value_name = "POINTS")]
+    points: Vec<PathBuf>,
     /// Allowed deviation to both sides; --lower and --upper replace one limit each
     #[arg(long, short, value_name = "T", value_parser = numbers::length, required_unless_present_all = ["lower", "upper"])]
     tolerance: Option<f64>,
@@ -68,6 +72,15 @@ pub(crate) struct Args {
     /// Write the deviation of every point; its format follows from the extension: .csv, .ply, .json, .las, .laz, .e57 or .glb; `-` is standard output (CSV)
     #[arg(long, short, value_name = "OUT")]
     out: Option<PathBuf>,
+    /// Leave behind what `indgeo merge` makes a report of, for one of many files (tiles) or with --points; nothing else is written
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["out", "report"])]
+    partial: Option<PathBuf>,
+    /// Measure the points A up to but not B of one file only, counted from 0
+    #[arg(long = "points", value_name = "A..B", value_parser = inspecting::parse_range)]
+    range: Option<Range<u64>>,
+    /// Most points in the picture of the page; of more, that many are chosen evenly
+    #[arg(long, value_name = "N", default_value_t = inspecting::MOST_POINTS, value_parser = clap::value_parser!(u32).range(1..=100_000_000))]
+    picture: u32,
     /// Format of OUT, whatever its extension
     #[arg(long, value_enum, requires = "out")]
     format: Option<Format>,
@@ -97,6 +110,12 @@ where one is needed (no_normal), or not finite themselves are counted, but not j
 Shares are rounded to the bad side: 100.00 % means all. Exit status 0: pass; 1: fail; 2: bad input or usage; 130:
 interrupted.
 
+Memory: binary PLY, LAS, LAZ, E57, PTX and plain tables are read piece by piece, and take the model and some 100 MB however many points
+there are; OUT is then written piece by piece as CSV and PLY. Quantiles and histogram come from the values of up to 4194304 measured
+points; of more, values count in cells of a relative width of 1/4096. The picture of the page shows up to N points.
+
+With --partial the exit status is 0 when the file was written: the verdict is that of `indgeo merge`.
+
 Columns of OUT, one row per point, in the order of POINTS:
   surfaces  x,y,z,foot_x,foot_y,foot_z,normal_x,normal_y,normal_z,distance,shape,u,v,location,result
   mesh      ... with triangle in place of u,v
@@ -109,7 +128,10 @@ Examples:
   indgeo inspect part.json scan.ply --tolerance 0.05 --report report.html --json report.json
   indgeo inspect part.stl scan.xyz --lower -0.1 --upper 0.3 --min-share 0.99 -o deviations.ply
   indgeo inspect part.json scan.ply -t 0.05 --along 0,0,1 --max-distance 2
-  indgeo inspect sheet.stl scan.ply -t 0.05 --max-angle 60";
+  indgeo inspect sheet.stl scan.ply -t 0.05 --max-angle 60
+  indgeo inspect part.step tiles/*.laz -t 0.05 --report report.html
+  indgeo inspect part.step tiles/7.laz -t 0.05 --partial partial-7.json    (see `indgeo merge --help`)
+  indgeo inspect part.step scan.laz -t 0.05 --points 0..50000000 --partial partial-0.json";
 
 fn parse_direction(text: &str) -> Result<[f64; 3], String> {
     let direction = super::parse_triple(text).filter(|d| d.iter().any(|value| *value != 0.0));
@@ -129,12 +151,62 @@ fn parse_along(text: &str) -> Result<Along, String> {
 impl Args {
     /// The files that are read, and those that are written.
     pub(crate) fn files(&self) -> (Vec<&Path>, Vec<PathBuf>) {
-        let read = [Some(&self.model), Some(&self.points), self.transform.as_ref()];
-        let written = [&self.report, &self.out];
-        (
-            read.into_iter().flatten().map(PathBuf::as_path).collect(),
-            written.into_iter().flatten().cloned().collect(),
-        )
+        let read = [Some(&self.model), self.transform.as_ref()].into_iter().flatten().chain(&self.points);
+        let written = [&self.report, &self.out, &self.partial];
+        (read.map(PathBuf::as_path).collect(), written.into_iter().flatten().cloned().collect())
+    }
+
+    /// The options by which points are measured and judged, as they are typed, with their values.
+    fn arguments(&self) -> Vec<String> {
+        let half = self.tolerance.unwrap_or(f64::NAN);
+        let mut out = vec![
+            format!("--lower={}", self.lower.unwrap_or(-half)),
+            format!("--upper={}", self.upper.unwrap_or(half)),
+            format!("--min-share={}", self.min_share),
+            format!("--worst={}", self.worst),
+            format!("--picture={}", self.picture),
+            format!("--mode={}", self.search.mode.name()),
+            format!("--relative-gap={}", self.search.relative_gap),
+            format!("--scan={}", self.search.scan),
+            match self.direction.map_or(self.along, Along::Direction) {
+                Along::Shortest => "--along=shortest".to_owned(),
+                Along::Normal => "--along=normal".to_owned(),
+                Along::Direction([x, y, z]) => format!("--along={x},{y},{z}"),
+            },
+        ];
+        out.extend(self.max_angle.map(|angle| format!("--max-angle={angle}")));
+        if self.max_distance.is_finite() {
+            out.push(format!("--max-distance={}", self.max_distance));
+        }
+        if self.drop_beyond_boundary {
+            out.push("--drop-beyond-boundary".to_owned());
+        }
+        if self.search.drop_non_finite {
+            out.push("--drop-non-finite".to_owned());
+        }
+        out.extend(self.cad.arguments());
+        out
+    }
+
+    /// The job with these files of points.
+    pub(super) fn job<'a>(&'a self, points: &'a [PathBuf], common: &Common) -> Result<Job<'a>, Error> {
+        Ok(Job {
+            model: &self.model,
+            cad: &self.cad,
+            points,
+            range: self.range.clone(),
+            motion: self.transform.as_deref().map_or(Motion::None, Motion::File),
+            page: self.report.as_deref(),
+            picture: self.picture,
+            out: self.out.as_deref(),
+            format: self.format,
+            options: self.options()?,
+            mode: self.search.mode.name(),
+            drop_non_finite: self.search.drop_non_finite,
+            scan: Some(&self.search.scan),
+            threads: common.threads,
+            quiet: common.quiet,
+        })
     }
 
     fn options(&self) -> Result<InspectionOptions, Error> {
@@ -157,21 +229,27 @@ impl Args {
 
 /// Runs the command.
 pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<Outcome, Error> {
-    let job = Job {
-        model: &args.model,
-        cad: &args.cad,
-        points: &args.points,
-        motion: args.transform.as_deref().map_or(Motion::None, Motion::File),
-        page: args.report.as_deref(),
-        out: args.out.as_deref(),
-        format: args.format,
-        options: args.options()?,
-        mode: args.search.mode.name(),
-        drop_non_finite: args.search.drop_non_finite,
-        scan: Some(&args.search.scan),
-        threads: common.threads,
-        quiet: common.quiet,
+    let points = scan_files::expand(&args.points)?;
+    let job = args.job(&points, common)?;
+    if let (Some(range), 2..) = (&args.range, points.len()) {
+        let what = format!(
+            "--points {}..{} is for one file of points, these are {}",
+            range.start,
+            range.end,
+            points.len()
+        );
+        return Err(Error::usage(what, "give the points of each file in a run of its own"));
+    }
+    let Some(partial) = &args.partial else {
+        let found = inspecting::run(&job, report)?;
+        return Ok(judged(&found, report));
     };
-    let found = inspecting::run(&job, report)?;
-    Ok(Outcome { summary: summary::of(report), converged: found.verdict.pass, otherwise: "out_of_tolerance" })
+    let _ = inspecting::run_partial(&job, args.arguments(), partial, report)?;
+    // The verdict is that of all parts together.
+    Ok(Outcome::new(summary::of(report), true))
+}
+
+/// How an inspection ends.
+pub(super) fn judged(found: &Inspection, report: &Report) -> Outcome {
+    Outcome { summary: summary::of(report), converged: found.verdict.pass, otherwise: "out_of_tolerance" }
 }

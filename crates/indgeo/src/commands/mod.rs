@@ -13,6 +13,7 @@ pub(crate) mod fit_surface;
 pub(crate) mod geodesic;
 pub(crate) mod info;
 pub(crate) mod inspect;
+pub(crate) mod merge;
 pub(crate) mod morphology;
 mod numbers;
 pub(crate) mod parameterize;
@@ -80,6 +81,7 @@ pub(crate) fn run(command: &Command, common: &Common, report: &mut Report) -> Re
     match command {
         Command::Project(args) => project::run(args, common, report),
         Command::Inspect(args) => inspect::run(args, common, report),
+        Command::Merge(args) => merge::run(args, common, report),
         Command::Align(args) => align::run(args, common, report),
         Command::Register(args) => register::run(args, common, report),
         Command::RegisterViews(args) => register_views::run(args, common, report),

@@ -152,7 +152,7 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         threads: common.threads,
         quiet: common.quiet,
     };
-    projection::run(&job, report)?;
+    projection::run_in_pieces(&job, report)?;
     let (converged, otherwise) = (projection::all_converged(report), projection::otherwise(report));
     Ok(Outcome { summary: summary::of(report), converged, otherwise })
 }

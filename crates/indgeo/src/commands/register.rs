@@ -9,6 +9,7 @@ use crate::files;
 use crate::inspecting::{self, Motion};
 use crate::registering::{self, Job, Start};
 use crate::report::{Report, Results};
+use crate::sampling;
 use crate::summary;
 use crate::transform::Transform;
 use clap::ValueEnum;
@@ -16,6 +17,7 @@ use industrial_geometry::distance_field::ErrorTerm;
 use industrial_geometry::inspection::{InspectionOptions, Tolerance};
 use industrial_geometry::io::Format;
 use industrial_geometry::register::{Locks, Method, Outliers, Pose, RegisterOptions};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// Move POINTS to where they fit MODEL best
@@ -73,6 +75,19 @@ pub(crate) struct Args {
     /// Estimate the scale of the points, too
     #[arg(long)]
     scale: bool,
+    /// Without -o, use an even sample of N points of a file that holds more (binary PLY, LAS, LAZ, E57, PTX, plain tables)
+    #[arg(long, value_name = "N", default_value_t = sampling::MOST, value_parser = clap::value_parser!(u32).range(100..))]
+    sample: u32,
+    /// Leave behind the exact sums of one step for one of many files (tiles) or with --points, of which `indgeo merge` makes the
+    /// step; nothing else is written
+    #[arg(long, value_name = "FILE", conflicts_with_all = PARTIAL_CONFLICTS)]
+    partial: Option<PathBuf>,
+    /// Use the points A up to but not B of POINTS only, counted from 0, for --partial
+    #[arg(long = "points", value_name = "A..B", value_parser = inspecting::parse_range)]
+    range: Option<Range<u64>>,
+    /// Points farther from the model than this do not count, for --partial
+    #[arg(long, value_name = "D", value_parser = numbers::limit)]
+    max_distance: Option<f64>,
     /// Most steps of one stage; a registration that they end is not converged (exit status 1)
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u16).range(1..))]
     max_iterations: u16,
@@ -86,6 +101,22 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
 }
+
+/// What a single step does not know: it starts at --init, without a search, and all points up to --max-distance count.
+const PARTIAL_CONFLICTS: [&str; 12] = [
+    "out",
+    "format",
+    "transform",
+    "start",
+    "method",
+    "outliers",
+    "overlap",
+    "lock",
+    "lock_origin",
+    "scale",
+    "inspect",
+    "report",
+];
 
 /// Where to start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -174,6 +205,10 @@ have nothing to compare with, and refuse it.
 --inspect reads the files again, measures the moved points (results.inspection, docs/schema/inspect.schema.json) and ends with 1 if a
 point is out of tolerance. For other limits and options run `indgeo inspect` with --transform T.json.
 
+--partial is for clouds on many machines: one step of Gauss and Newton with the distances from tangent planes, from --init (or where
+the points are), in which all points up to --max-distance from the model count, and none whose foot is on the boundary of an open
+model. `indgeo merge` of the sums of all tiles writes the pose that follows, which is the --init of the next step.
+
 With several starts each is reported (`starts`); the one that leaves the least distance counts.
 Status: converged; doubtful (the iteration converged, but the points do not speak for the pose: `support` has the numbers and the
 reason); no_overlap (hardly any points lie on the model); underdetermined (points and model are clouds in a plane each);
@@ -187,7 +222,8 @@ Examples:
   indgeo register part.json scan.ply --transform pose.json --outliers trimmed --overlap 0.6
   indgeo register part.json scan.ply --report registration.html
   indgeo register part.json scan.ply --inspect --tolerance 0.05 --report report.html
-  indgeo inspect part.json scan.ply --transform pose.json --lower -0.1 --upper 0.3";
+  indgeo inspect part.json scan.ply --transform pose.json --lower -0.1 --upper 0.3
+  indgeo register part.step tiles/7.laz --init pose.json --partial sums-7.json    (then `indgeo merge sums-*.json --transform`)";
 
 fn parse_point(text: &str) -> Result<[f64; 3], String> {
     super::parse_triple(text).ok_or_else(|| "a point is three numbers: X,Y,Z".to_owned())
@@ -197,11 +233,52 @@ impl Args {
     /// The files that are read, and those that are written.
     pub(crate) fn files(&self) -> (Vec<&Path>, Vec<PathBuf>) {
         let read = [Some(&self.model), Some(&self.points), self.init.as_ref()];
-        let written = [&self.out, &self.transform, &self.report];
+        let written = [&self.out, &self.transform, &self.report, &self.partial];
         (
             read.into_iter().flatten().map(PathBuf::as_path).collect(),
             written.into_iter().flatten().cloned().collect(),
         )
+    }
+
+    /// The options of the sums of a step, as they are typed.
+    fn step_arguments(&self) -> Vec<String> {
+        let distance = self.max_distance.filter(|distance| distance.is_finite());
+        let distance = distance.map(|distance| format!("--max-distance={distance}"));
+        let angle = self.max_angle.map(|angle| format!("--max-angle={angle}"));
+        distance.into_iter().chain(angle).chain(self.cad.arguments()).collect()
+    }
+
+    /// The measurement behind the sums of a step.
+    pub(super) fn step_job<'a>(
+        &'a self,
+        points: &'a [PathBuf],
+        common: &Common,
+    ) -> Result<inspecting::Job<'a>, Error> {
+        // Nothing is judged here.
+        let tolerance = Tolerance::symmetric(f64::INFINITY).map_err(|error| inspecting::usage(&error))?;
+        let angle = self.max_angle.filter(|angle| *angle < 180.0).map(f64::to_radians);
+        let options = InspectionOptions::new(tolerance)
+            .with_max_distance(self.max_distance.unwrap_or(f64::INFINITY))
+            .with_drop_beyond_boundary(true)
+            .with_worst(0)
+            .with_exact_limit(0);
+        Ok(inspecting::Job {
+            model: &self.model,
+            cad: &self.cad,
+            points,
+            range: self.range.clone(),
+            motion: self.init.as_deref().map_or(Motion::None, Motion::File),
+            page: None,
+            picture: 1,
+            out: None,
+            format: None,
+            options: InspectionOptions { max_angle: angle, ..options },
+            mode: "certified",
+            drop_non_finite: false,
+            scan: None,
+            threads: common.threads,
+            quiet: common.quiet,
+        })
     }
 
     fn options(&self) -> Result<RegisterOptions<3>, Error> {
@@ -242,6 +319,18 @@ impl Args {
 
 /// Runs the command.
 pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<Outcome, Error> {
+    if let Some(partial) = &args.partial {
+        let job = args.step_job(std::slice::from_ref(&args.points), common)?;
+        inspecting::run_partial_step(&job, args.step_arguments(), partial, report)?;
+        let mut text = format!("{}: exact sums of one step\n", partial.display());
+        // Writing to memory cannot fail.
+        let _ = summary::write_end(&mut text, report);
+        return Ok(Outcome::new(text, true));
+    }
+    if args.range.is_some() || args.max_distance.is_some() {
+        let what = "--points and --max-distance are for the sums of a step";
+        return Err(Error::usage(what, "add --partial FILE, or leave them out"));
+    }
     let writes = [&args.out, &args.transform, &args.report, &common.json].into_iter().any(Option::is_some);
     if !writes && !args.inspect {
         return Err(Error::usage(
@@ -268,6 +357,7 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         model: &args.model,
         cad: &args.cad,
         points: &args.points,
+        sample: args.sample,
         out: args.out.as_deref(),
         format: args.format,
         transform: args.transform.as_deref(),
@@ -300,7 +390,9 @@ fn inspect(
     let job = inspecting::Job {
         model: &args.model,
         cad: &args.cad,
-        points: &args.points,
+        points: std::slice::from_ref(&args.points),
+        range: None,
+        picture: inspecting::MOST_POINTS,
         motion: Motion::Known(Transform::of_pose(pose)),
         page: args.report.as_deref(),
         out: None,

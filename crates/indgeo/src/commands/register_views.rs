@@ -5,8 +5,9 @@ use super::numbers;
 use crate::args::Common;
 use crate::error::Error;
 use crate::registering::Start;
-use crate::registering_views::{self, Job, outputs};
+use crate::registering_views::{self, Job, POSES};
 use crate::report::Report;
+use crate::scan_views;
 use crate::summary;
 use clap::ValueEnum;
 use industrial_geometry::register::views::ViewsOptions;
@@ -19,8 +20,9 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = AFTER_HELP)]
 pub(crate) struct Args {
-    /// The scans, at least two: clouds, or meshes whose vertices are the scanned points
-    #[arg(required = true, num_args = 2.., value_name = "VIEW")]
+    /// The scans, at least two: clouds, or meshes whose vertices are the scanned points. The scans of a file of several (E57, PTX) are
+    /// views of their own, which begin where the poses of the file place them
+    #[arg(required = true, num_args = 1.., value_name = "VIEW")]
     views: Vec<PathBuf>,
     /// Folder for the moved views, which keep their names and formats, and for poses.json; made if it does not exist
     #[arg(long, short, value_name = "DIR")]
@@ -57,7 +59,7 @@ pub(crate) struct Args {
 /// Where to start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum StartChoice {
-    /// From where the views are; if they do not come to fit, a search over all positions as well
+    /// From where the views are; if they do not come to fit, and have no poses in their files, a search over all positions as well
     Auto,
     /// From where the views are
     Given,
@@ -71,12 +73,16 @@ poses.json: {\"status\": ..., \"rms\": ..., \"views\": [{\"path\": ..., \"matrix
 null}, ...], \"pairs\": [{\"views\": [i, j], \"overlap\": [share of i, share of j], \"count\": matched points, \"rms_before\": ...,
 \"rms_after\": ...}, ...], \"components\": [[views that hang together], ...], ...}. Views are numbered from 0.
 
+Scans of one file are written as NAME-0.e57, NAME-1.e57, ... (of PTX as PLY); \"scan\" is their number, and \"matrix\" takes the points as
+the poses of the file place them.
+
 Files appear in DIR all together at the end, or not at all.
 Exit status 0: converged; 1: not converged, views that overlap with no other, or views that can slide along each other
 (\"underdetermined\"; files are written nevertheless); 2: bad input or usage; 130: interrupted.
 
 Examples:
   indgeo register-views scan1.ply scan2.ply scan3.ply -o aligned
+  indgeo register-views scans.e57 -o aligned
   indgeo register-views scans/*.ply -o aligned --start global --json report.json
   indgeo register-views scans/*.ply -o aligned --init turntable.json --neighbours 40";
 
@@ -84,7 +90,9 @@ impl Args {
     /// The files that are read, and those that are written.
     pub(crate) fn files(&self) -> (Vec<&Path>, Vec<PathBuf>) {
         let read = self.views.iter().chain(&self.init).map(PathBuf::as_path).collect();
-        (read, outputs(&self.views, &self.out))
+        // What the scans of a file of several are called is known when it has been read.
+        let names = self.views.iter().filter_map(|view| view.file_name());
+        (read, names.map(|name| self.out.join(name)).chain([self.out.join(POSES)]).collect())
     }
 }
 
@@ -104,7 +112,8 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         .with_min_overlap(args.min_overlap)
         .with_oriented(args.oriented)
         .with_max_iterations(usize::from(args.max_iterations));
-    let job = Job { views: &args.views, out: &args.out, start, options, quiet: common.quiet };
+    let views = scan_views::of(&args.views)?;
+    let job = Job { views: &views, out: &args.out, start, options, quiet: common.quiet };
     let converged = registering_views::run(&job, report)?;
     Ok(Outcome::new(summary::of(report), converged))
 }

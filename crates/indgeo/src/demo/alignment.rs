@@ -85,6 +85,7 @@ pub(crate) fn run(
         model: &data.model,
         cad: &Choice::default(),
         points: &files.displaced,
+        sample: crate::sampling::MOST,
         out: Some(&files.registered),
         format: None,
         transform: Some(&files.pose),
@@ -184,7 +185,9 @@ fn inspect(
     let job = inspecting::Job {
         model: &data.model,
         cad: &Choice::default(),
-        points: &files.displaced,
+        points: std::slice::from_ref(&files.displaced),
+        range: None,
+        picture: inspecting::MOST_POINTS,
         motion: inspecting::Motion::File(&files.pose),
         page: Some(&files.page),
         out: None,

@@ -63,7 +63,9 @@ pub(crate) fn run(
     let job = inspecting::Job {
         model: &data.part,
         cad: &Choice::default(),
-        points: &points,
+        points: std::slice::from_ref(&points),
+        range: None,
+        picture: inspecting::MOST_POINTS,
         scan: None,
         motion: Motion::None,
         page: Some(&page),

@@ -7,9 +7,20 @@ use std::io::{self, Write};
 
 /// A header line and one line per point; a cell without a value is empty.
 pub(super) fn write(out: &mut dyn Write, table: &dyn Rows) -> io::Result<()> {
+    write_header(out, table)?;
+    write_rows(out, table)
+}
+
+/// The header line.
+pub(super) fn write_header(out: &mut dyn Write, table: &dyn Rows) -> io::Result<()> {
+    let name = if table.point_names().is_some() { ",name" } else { "" };
+    writeln!(out, "{}{name}", table.names().join(","))
+}
+
+/// The lines of some points, or of all.
+pub(super) fn write_rows(out: &mut dyn Write, table: &dyn Rows) -> io::Result<()> {
     let names = table.names();
     let labels = table.point_names();
-    writeln!(out, "{}{}", names.join(","), if labels.is_some() { ",name" } else { "" })?;
     threads::write_rows(out, table.count(), |rows, bytes| {
         for row in rows {
             for column in 0..names.len() {

@@ -5,12 +5,14 @@ mod csv;
 mod deviations;
 mod json;
 mod parameters;
+mod pieces;
 mod ply;
 mod rows;
 mod table;
 
 pub(crate) use deviations::{DeviationTable, Measured};
 pub(crate) use parameters::ParameterTable;
+pub(crate) use pieces::{Sink, is_written_in_pieces, write_in_pieces};
 pub(crate) use rows::{NAME, Rows};
 pub(crate) use table::{Layout, Table};
 

@@ -9,10 +9,24 @@ use std::io::{self, Write};
 ///
 /// The triangles of the input are kept, so that a viewer shows the scan as it was.
 pub(super) fn write(out: &mut dyn Write, table: &dyn Rows) -> io::Result<()> {
+    let is_long = table.point_names().is_some_and(|labels| labels.iter().any(|name| name.len() > 255));
+    write_header(out, table, table.count(), is_long)?;
+    write_rows(out, table, is_long)?;
+    let triangles = table.triangles();
+    threads::write_rows(out, triangles.len(), |rows, bytes| {
+        for corners in &triangles[rows] {
+            bytes.push(3);
+            for corner in corners {
+                bytes.extend(corner.to_le_bytes());
+            }
+        }
+    })
+}
+
+/// The vertices of some points, or of all; `is_long` says that names may be longer than 255 bytes.
+pub(super) fn write_rows(out: &mut dyn Write, table: &dyn Rows, is_long: bool) -> io::Result<()> {
     let names = table.names();
     let labels = table.point_names();
-    let is_long = labels.is_some_and(|labels| labels.iter().any(|name| name.len() > 255));
-    write_header(out, table, &names, is_long)?;
     threads::write_rows(out, table.count(), |rows, bytes| {
         for row in rows {
             for column in 0..names.len() {
@@ -32,25 +46,22 @@ pub(super) fn write(out: &mut dyn Write, table: &dyn Rows) -> io::Result<()> {
                 bytes.extend(name.as_bytes());
             }
         }
-    })?;
-    let triangles = table.triangles();
-    threads::write_rows(out, triangles.len(), |rows, bytes| {
-        for corners in &triangles[rows] {
-            bytes.push(3);
-            for corner in corners {
-                bytes.extend(corner.to_le_bytes());
-            }
-        }
     })
 }
 
-fn write_header(out: &mut dyn Write, table: &dyn Rows, names: &[&str], is_long: bool) -> io::Result<()> {
+/// The header of a table with `count` rows in all, of which `table` has the first.
+pub(super) fn write_header(
+    out: &mut dyn Write,
+    table: &dyn Rows,
+    count: usize,
+    is_long: bool,
+) -> io::Result<()> {
     writeln!(out, "ply\nformat binary_little_endian 1.0")?;
     for comment in table.comments() {
         writeln!(out, "comment {comment}")?;
     }
-    writeln!(out, "element vertex {}", table.count())?;
-    for (column, name) in names.iter().enumerate() {
+    writeln!(out, "element vertex {count}")?;
+    for (column, name) in table.names().iter().enumerate() {
         // Without rows there is nothing that a wrong kind could spoil.
         let kind = match (table.count() > 0).then(|| table.cell(0, column)) {
             Some(Cell::Index(_)) => "int",

@@ -144,6 +144,7 @@ fn commands_that_have_no_answer_to_give_are_done_or_fail() {
         ("convert points.xyz out.stl", 2, "error"),
         ("info points.xyz model.json cube.off", 0, "done"),
         ("info none.xyz", 2, "error"),
+        ("merge none.json", 2, "error"),
         ("demo --data none", 2, "error"),
         ("selftest", 0, "done"),
     ] {
@@ -173,7 +174,7 @@ fn schemas_share_one_form() {
         .collect();
     let help = Bench::new().run("--help").stdout;
     let listed = |command: &str| help.lines().any(|line| line.split_whitespace().next() == Some(command));
-    assert_eq!(schemas.len(), 19);
+    assert_eq!(schemas.len(), 20);
     for (command, schema) in &schemas {
         assert!(listed(command), "{command}");
         assert_eq!(schema["properties"]["command"]["const"], command.as_str());

@@ -124,6 +124,48 @@ fn displaced_views_find_each_other() {
 }
 
 #[test]
+fn scans_of_a_file_begin_at_its_poses() {
+    let bench = Bench::new();
+    // Each scanner has a frame of its own, far from the others, and a pose that is right but for the displacement of the view.
+    let mut ptx = String::new();
+    for index in 0..3 {
+        let (turn, shift) = (
+            Rotation3::from_euler_angles(0.0, 0.0, 2.0 * index as f64),
+            Vector3::new(40.0, -7.0, 3.0) * index as f64,
+        );
+        ptx += "2500\n1\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
+        // Points are rows: x · matrix.
+        for row in 0..3 {
+            writeln!(ptx, "{} {} {} 0", turn[(0, row)], turn[(1, row)], turn[(2, row)]).unwrap();
+        }
+        writeln!(ptx, "{} {} {} 1", shift.x, shift.y, shift.z).unwrap();
+        for point in view(index, 2500) {
+            let own = turn.inverse() * (point - shift);
+            writeln!(ptx, "{} {} {} 0.5", own.x, own.y, own.z).unwrap();
+        }
+    }
+    bench.put("scans.ptx", ptx);
+    let run = bench.run("register-views scans.ptx -o aligned --json report.json");
+    assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+    let poses = json(&bench, "aligned/poses.json");
+    assert_eq!((&poses["status"], &poses["start"]), (&"converged".into(), &"given".into()));
+    for index in 0..3 {
+        let found = &poses["views"][index];
+        assert!(difference(found, index) < 1e-4, "{index}: {found}");
+        assert_eq!((&found["path"], &found["scan"]), (&"scans.ptx".into(), &index.into()));
+        assert!(bench.path(&format!("aligned/scans-{index}.ply")).exists());
+    }
+    // A file of one scan is one view, and that is too few.
+    bench.put(
+        "one.ptx",
+        bench.text("scans.ptx").lines().take(2510).map(|line| format!("{line}\n")).collect::<String>(),
+    );
+    let run = bench.run("register-views one.ptx -o none");
+    assert!(run.code == 2 && run.stderr.contains("there is one view only"), "{}", run.stderr);
+    assert!(!bench.path("none").exists());
+}
+
+#[test]
 fn views_that_do_not_overlap_are_told() {
     let bench = Bench::new();
     put_views(&bench);
@@ -165,7 +207,7 @@ fn bad_input_says_what_and_leaves_nothing() {
     bench.put("other/b.xyz", bench.text("b.xyz"));
     let before = bench.files();
     for (arguments, message) in [
-        ("register-views a.csv -o out", "2 values"),
+        ("register-views a.csv -o out", "there is one view only"),
         ("register-views a.csv b.xyz", "--out"),
         ("register-views a.csv two.xyz -o out", "two.xyz: 2 of 2 points can be used"),
         ("register-views a.csv flat.xyz -o out", "flat.xyz: the points have two columns only"),

@@ -8,8 +8,7 @@ mod scene;
 mod tables;
 mod text;
 
-use crate::{Backdrop, DeviationRecord, Inspection, Rounding, percent, percent_in_full};
-use nalgebra::Point3;
+use crate::{Backdrop, Inspection, Picture, Rounding, percent, percent_in_full};
 use std::io::{self, Write};
 pub use text::{escape, json_in_script, number};
 
@@ -32,16 +31,12 @@ pub struct Page<'a> {
     pub program: &'a str,
     /// The result.
     pub inspection: &'a Inspection,
-    /// The points, as they were inspected.
-    pub points: &'a [Point3<f64>],
-    /// Their deviations.
-    pub records: &'a [DeviationRecord],
+    /// The points, as they were inspected, with their deviations, or a sample of them.
+    pub picture: &'a Picture,
     /// Triangles that show the model.
     pub backdrop: &'a Backdrop,
     /// The motion that was applied to the points, if any, as a matrix by rows.
     pub alignment: Option<[[f64; 4]; 4]>,
-    /// Most points in the picture: of more, every n-th is shown, and the page says so.
-    pub most_points: usize,
 }
 
 /// Writes the page.
@@ -108,19 +103,17 @@ fn signed(value: f64) -> String {
 }
 
 fn shown(page: &Page<'_>, packed: &scene::Packed) -> String {
-    let total = page.points.len();
+    let total = page.picture.points();
     let mut out = if packed.shown == total {
         format!("All {total} points are shown.")
-    } else if packed.scene.stride > 1 {
-        format!(
-            "{} of {total} points are shown (every {}. one); the tables count all.",
-            packed.shown, packed.scene.stride
-        )
+    } else if packed.unchosen > 0 {
+        format!("{} of {total} points are shown, chosen evenly; the tables count all.", packed.shown)
     } else {
         format!("{} of {total} points are shown.", packed.shown)
     };
     if packed.outside > 0 {
-        out.push_str(&format!(" {} lie outside of the picture or nowhere.", packed.outside));
+        let chosen = if packed.unchosen > 0 { " of those chosen" } else { "" };
+        out.push_str(&format!(" {}{chosen} lie outside of the picture or nowhere.", packed.outside));
     }
     out.push_str(" Positions in the picture are rounded to 1/65535 of its size, deviations are not.");
     out

@@ -1,9 +1,8 @@
 //! Points and triangles in the form the page reads: 16-bit shares of a cube, in base64.
 
 use super::Page;
-use super::text::base64;
+use crate::base64::encode as base64;
 use crate::colour::{ColourScale, STOPS};
-use crate::{DeviationRecord, Outcome};
 use nalgebra::{Point3, Vector3};
 use serde::Serialize;
 
@@ -17,8 +16,8 @@ pub(super) struct Scene {
     /// Box of all that is shown, as shares of the cube.
     low: [f64; 3],
     high: [f64; 3],
-    /// Points shown are every n-th of the file, unless `indices` says that there is a list.
-    pub(super) stride: usize,
+    /// Points shown are every n-th of the file (all), unless `indices` says that there is a list.
+    stride: usize,
     indices: bool,
     /// Whether there are lines along edges.
     lines: bool,
@@ -34,16 +33,15 @@ pub(super) struct Packed {
     pub(super) scene: Scene,
     /// Name and base64 of each array.
     pub(super) blobs: Vec<(&'static str, String)>,
-    /// Number of points shown, and left out because they are far from the rest.
-    pub(super) shown: usize,
-    pub(super) outside: usize,
+    /// Number of points shown; of points chosen that lie outside of the picture; and of points that were not chosen.
+    pub(super) shown: u64,
+    pub(super) outside: u64,
+    pub(super) unchosen: u64,
 }
 
 pub(super) fn pack(page: &Page<'_>) -> Packed {
     let is_finite = |point: &Point3<f64>| point.iter().all(|value| value.is_finite());
-    let measured = (page.points.iter().zip(page.records))
-        .filter(|(_, record)| record.outcome == Outcome::Measured)
-        .map(|(point, _)| point);
+    let measured = page.picture.bounds().into_iter().flat_map(|bounds| [&bounds.min, &bounds.max]);
     let seen = measured.chain(&page.backdrop.vertices).filter(|point| is_finite(point));
     let none = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
     let (low, high) = seen.fold(none, |(low, high), point| (low.inf(&point.coords), high.sup(&point.coords)));
@@ -52,17 +50,16 @@ pub(super) fn pack(page: &Page<'_>) -> Packed {
     let origin = (low + high) * 0.5 - Vector3::repeat(0.5 * side);
     let share = |point: &Point3<f64>| (point.coords - origin) / side;
 
-    let inside =
-        |point: &Point3<f64>| is_finite(point) && share(point).iter().all(|s| (0.0..=1.0).contains(s));
-    let visible = (page.points.iter().zip(0u32..)).filter(|(p, _)| inside(p)).map(|(_, i)| i);
-    let count = visible.clone().count();
-    let outside = page.points.len() - count;
-    let stride = count.div_ceil(page.most_points.max(1)).max(1);
-    let kept: Vec<u32> = visible.step_by(stride).collect();
-    let listed = kept.iter().zip((0u32..).step_by(stride)).any(|(&index, expected)| index != expected);
+    let inside = |point: &Point3<f64>| share(point).iter().all(|s| (0.0..=1.0).contains(s));
+    let mut kept = page.picture.sample();
+    let unchosen = page.picture.finite().saturating_sub(kept.len() as u64);
+    kept.retain(|shown| inside(&shown.point));
+    let outside = page.picture.points().saturating_sub(kept.len() as u64 + unchosen);
+    let indices = || kept.iter().map(|shown| u32::try_from(shown.index).unwrap_or(u32::MAX));
+    let listed = indices().zip(0u32..).any(|(index, expected)| index != expected);
 
-    let points = kept.iter().map(|&index| share(&page.points[index as usize]));
-    let deviations = kept.iter().flat_map(|&index| shown(&page.records[index as usize]).to_le_bytes());
+    let points = kept.iter().map(|shown| share(&shown.point));
+    let deviations = kept.iter().flat_map(|shown| shown.deviation.to_le_bytes());
     let backdrop = page.backdrop;
     let normal = |normal: &Vector3<f64>| [0, 1, 2].map(|axis| quantise(normal[axis] * 127.0, -127.0, 127.0));
     #[expect(clippy::cast_possible_truncation, reason = "limited to the range of i8")]
@@ -82,10 +79,7 @@ pub(super) fn pack(page: &Page<'_>) -> Packed {
         blobs.push(("lines", base64(&shares(ends.map(share)))));
     }
     if listed {
-        blobs.push((
-            "indices",
-            base64(&kept.iter().flat_map(|index| index.to_le_bytes()).collect::<Vec<u8>>()),
-        ));
+        blobs.push(("indices", base64(&indices().flat_map(u32::to_le_bytes).collect::<Vec<u8>>())));
     }
     let tolerance = page.inspection.options.tolerance;
     // Limits of infinity are beyond every number that a shader knows.
@@ -95,7 +89,7 @@ pub(super) fn pack(page: &Page<'_>) -> Packed {
         side,
         low: ((low - origin) / side).into(),
         high: ((high - origin) / side).into(),
-        stride,
+        stride: 1,
         indices: listed,
         lines: !backdrop.lines.is_empty(),
         lower: limit(tolerance.lower),
@@ -104,13 +98,7 @@ pub(super) fn pack(page: &Page<'_>) -> Packed {
         stops: STOPS,
         edge: ColourScale::LIMIT,
     };
-    Packed { scene, blobs, shown: kept.len(), outside }
-}
-
-/// The deviation in single precision; NaN where none counts.
-#[expect(clippy::cast_possible_truncation, reason = "single precision is what the page shows")]
-fn shown(record: &DeviationRecord) -> f32 {
-    if record.outcome == Outcome::Measured { record.distance as f32 } else { f32::NAN }
+    Packed { scene, blobs, shown: kept.len() as u64, outside, unchosen }
 }
 
 fn quantise(value: f64, low: f64, high: f64) -> f64 {

@@ -49,21 +49,6 @@ pub fn number(value: f64) -> String {
     text.replace('-', "−")
 }
 
-/// Bytes in base64.
-pub(super) fn base64(bytes: &[u8]) -> String {
-    const ALPHABET: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let mut out = String::with_capacity(bytes.len().div_ceil(3) * 4);
-    for triple in bytes.chunks(3) {
-        let bits =
-            triple.iter().fold(0u32, |bits, &byte| (bits << 8) | u32::from(byte)) << (8 * (3 - triple.len()));
-        for place in 0..4 {
-            let digit = (bits >> (18 - 6 * place)) & 63;
-            out.push(if place <= triple.len() { char::from(ALPHABET[digit as usize]) } else { '=' });
-        }
-    }
-    out
-}
-
 /// A table cell that shows a number and carries all its digits.
 pub(super) fn cell(value: f64) -> String {
     let mut out = String::new();
@@ -86,11 +71,5 @@ mod tests {
     fn numbers_are_short() {
         let shown = [0.0, 0.1, -12.345_678_9, 1234.0, 123_456_789.0, 1.5e-7, f64::NAN].map(number);
         assert_eq!(shown, ["0", "0.1", "−12.3457", "1234", "123456789", "1.50000e−7", "–"]);
-    }
-
-    #[test]
-    fn base64_of_every_length() {
-        let texts = ["", "f", "fo", "foo", "foob", "fooba", "foobar"].map(|text| base64(text.as_bytes()));
-        assert_eq!(texts, ["", "Zg==", "Zm8=", "Zm9v", "Zm9vYg==", "Zm9vYmE=", "Zm9vYmFy"]);
     }
 }

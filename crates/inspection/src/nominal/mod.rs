@@ -21,7 +21,7 @@ use curves::CurvesNominal;
 use footpoint::{Facing, Progress, no_progress};
 use judge::Judge;
 use mesh::MeshNominal;
-use mesh_core::TriangleMesh;
+use mesh_core::{BoundingBox, TriangleMesh};
 use nalgebra::{Point3, Vector3};
 use nurbs_core::{AnalyticSurface, BsplineCurve, BsplineSurface};
 use sides::{Side, Sides};
@@ -350,6 +350,20 @@ impl Nominal {
             Kind::Curves(nominal) => {
                 nominal.normal(shape, record.parameter[0], &nominal.offset(point, &record.foot))
             }
+        }
+    }
+
+    /// A box around a shape of surfaces; `None` for curves.
+    #[must_use]
+    pub fn bounds(&self) -> Option<BoundingBox> {
+        let around =
+            |bounds: &nurbs_core::Aabb<3>| BoundingBox { min: bounds.min.into(), max: bounds.max.into() };
+        match &self.kind {
+            Kind::Surfaces(nominal) => Some(around(trace::Traceable::bounds(nominal.as_ref()))),
+            Kind::Analytic(nominal) => Some(around(trace::Traceable::bounds(nominal.as_ref()))),
+            Kind::Brep(nominal) => Some(around(nominal.model().bounds())),
+            Kind::Mesh(nominal) => nominal.mesh().bounding_box(),
+            Kind::Profile(_) | Kind::Curves(_) => None,
         }
     }
 

@@ -1,27 +1,62 @@
-//! Measures the largest resident memory of `indgeo inspect` on a generated cloud: binary PLY, three doubles a point.
+//! Measures the largest resident memory of `indgeo inspect` on a generated cloud: binary PLY with three doubles a point, and LAS.
 //!
-//! `cargo run --release -p measurements --bin inspection_memory -- [POINTS]`; Linux only, since it reads the mark that
-//! the kernel keeps of a process (`VmHWM` in `/proc`). The program is built by cargo first.
+//! `cargo run --release -p measurements --bin inspection_memory -- [POINTS [PROGRAM]]`; Linux only, since it reads the mark that
+//! the kernel keeps of a process (`VmHWM` in `/proc`). Without PROGRAM the program is built by cargo first.
 
 #![allow(clippy::print_stdout, reason = "a measuring program prints")]
 
 use std::fs::{self, File};
 use std::io::{BufWriter, Error, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-/// Points of a cloud near the unit torus tube, in an order that jumps about.
+/// Coordinates of a point near a square, in an order that jumps about.
+fn point(i: u64) -> [f64; 3] {
+    let share = |step: f64| (i as f64 * step).fract();
+    let z = 0.2 * share(0.732_050_807_568_877) - 0.1;
+    [2.0 * share(0.618_033_988_749_895), 2.0 * share(0.414_213_562_373_095), z]
+}
+
+/// The cloud as LAS 1.2 with points of format 0, in steps of 1e-6.
+#[expect(clippy::cast_possible_truncation, reason = "coordinates are at most 2 million steps")]
+fn write_las(path: &Path, count: u64) -> Result<(), Error> {
+    let number = u32::try_from(count).map_err(Error::other)?;
+    let mut header = vec![0u8; 227];
+    header[..4].copy_from_slice(b"LASF");
+    (header[24], header[25]) = (1, 2);
+    header[94..96].copy_from_slice(&227u16.to_le_bytes());
+    header[96..100].copy_from_slice(&227u32.to_le_bytes());
+    header[105..107].copy_from_slice(&20u16.to_le_bytes());
+    header[107..111].copy_from_slice(&number.to_le_bytes());
+    header[111..115].copy_from_slice(&number.to_le_bytes());
+    let places = [131, 139, 147]
+        .map(|at| (at, 1e-6))
+        .into_iter()
+        .chain([179, 195].map(|at| (at, 2.0)))
+        .chain([(211, 0.1), (219, -0.1)]);
+    for (at, value) in places {
+        header[at..at + 8].copy_from_slice(&f64::to_le_bytes(value));
+    }
+    let mut out = BufWriter::new(File::create(path)?);
+    out.write_all(&header)?;
+    for i in 0..count {
+        let mut record = [0u8; 20];
+        for (axis, value) in point(i).into_iter().enumerate() {
+            record[4 * axis..4 * axis + 4].copy_from_slice(&((value * 1e6).round() as i32).to_le_bytes());
+        }
+        out.write_all(&record)?;
+    }
+    out.flush()
+}
+
+/// The cloud as binary PLY.
 fn write_cloud(path: &Path, count: u64) -> Result<(), Error> {
     let mut out = BufWriter::new(File::create(path)?);
     write!(out, "ply\nformat binary_little_endian 1.0\nelement vertex {count}\n")?;
     write!(out, "property double x\nproperty double y\nproperty double z\nend_header\n")?;
-    let share = |i: u64, step: f64| (i as f64 * step).fract();
-    for i in 0..count {
-        let z = 0.2 * share(i, 0.732_050_807_568_877) - 0.1;
-        for value in [2.0 * share(i, 0.618_033_988_749_895), 2.0 * share(i, 0.414_213_562_373_095), z] {
-            out.write_all(&value.to_le_bytes())?;
-        }
+    for value in (0..count).flat_map(point) {
+        out.write_all(&value.to_le_bytes())?;
     }
     out.flush()
 }
@@ -50,8 +85,8 @@ fn peak(program: &Path, folder: &Path, arguments: &[&str]) -> Result<u64, Error>
     }
 }
 
-fn main() -> Result<(), Error> {
-    let count: u64 = std::env::args().nth(1).and_then(|text| text.parse().ok()).unwrap_or(10_000_000);
+/// Builds the program; its path, beside this one.
+fn build() -> Result<PathBuf, Error> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let built = Command::new(cargo)
@@ -61,10 +96,17 @@ fn main() -> Result<(), Error> {
     if !built.success() {
         return Err(Error::other("the program could not be built"));
     }
-    // Beside this program.
     let own = std::env::current_exe()?;
     let program = own.parent().map(|folder| folder.join("indgeo"));
-    let program = program.ok_or_else(|| Error::other("the program is not where cargo puts it"))?;
+    program.ok_or_else(|| Error::other("the program is not where cargo puts it"))
+}
+
+fn main() -> Result<(), Error> {
+    let count: u64 = std::env::args().nth(1).and_then(|text| text.parse().ok()).unwrap_or(10_000_000);
+    let program = match std::env::args_os().nth(2) {
+        Some(program) => program.into(),
+        None => build()?,
+    };
     let folder = std::env::temp_dir().join(format!("indgeo-memory-{}", std::process::id()));
     fs::create_dir_all(&folder)?;
     let measured = measure(&program, &folder, count);
@@ -78,20 +120,48 @@ fn measure(program: &Path, folder: &Path, count: u64) -> Result<(), Error> {
         "control_points":[[[0,0,0],[0,2,0]],[[2,0,0],[2,2,0]]],"weights":null}"#;
     fs::write(folder.join("surface.json"), square)?;
     write_cloud(&folder.join("cloud.ply"), count)?;
-    let size = fs::metadata(folder.join("cloud.ply"))?.len();
-    println!(
-        "{count} points, file of {:.1} bytes a point; largest resident memory, bytes a point:",
-        size as f64 / count as f64
-    );
-    for model in ["mesh.off", "surface.json"] {
-        for options in [&[][..], &["-o", "out.ply"], &["-o", "out.csv"], &["--report", "page.html"]] {
-            let arguments: Vec<&str> = ["inspect", model, "cloud.ply", "-t", "0.05"]
-                .into_iter()
-                .chain(options.iter().copied())
-                .collect();
-            let bytes = peak(program, folder, &arguments)?;
-            println!("{model:<13} {:<18} {:>6.1}", options.join(" "), bytes as f64 / count as f64);
+    write_las(&folder.join("cloud.las"), count)?;
+    println!("{count} points; largest resident memory");
+    let page = ["--report", "page.html"];
+    for (model, cloud, options) in [
+        ("mesh.off", "cloud.ply", &[][..]),
+        ("mesh.off", "cloud.las", &[]),
+        ("mesh.off", "cloud.ply", &page),
+        ("mesh.off", "cloud.las", &page),
+        ("mesh.off", "cloud.ply", &["-o", "out.ply"]),
+        ("mesh.off", "cloud.ply", &["-o", "out.csv"]),
+        ("surface.json", "cloud.ply", &[]),
+        ("surface.json", "cloud.ply", &page),
+        ("surface.json", "cloud.ply", &["-o", "out.ply"]),
+    ] {
+        // Rows of so many points are files of tens of gigabytes.
+        if options.contains(&"-o") && count > 20_000_000 {
+            continue;
         }
+        let mut arguments = vec!["inspect", model, cloud, "-t", "0.05", "--json", "report.json"];
+        arguments.extend(options);
+        let began = Instant::now();
+        let bytes = peak(program, folder, &arguments)?;
+        let seconds = began.elapsed().as_secs_f64();
+        let accounted = accounted(&folder.join("report.json"))?;
+        if accounted != count {
+            return Err(Error::other(format!("{accounted} points are accounted for")));
+        }
+        println!(
+            "{model:<13} {cloud} {:<18} {:>7.1} MB {:>6.1} bytes a point {seconds:>7.1} s",
+            options.join(" "),
+            bytes as f64 * 1e-6,
+            bytes as f64 / count as f64
+        );
     }
     Ok(())
+}
+
+/// Points that a report has judged or refused.
+fn accounted(report: &Path) -> Result<u64, Error> {
+    let text = fs::read_to_string(report)?;
+    let outcomes = text.split("\"outcomes\": {").nth(1).and_then(|rest| rest.split('}').next());
+    let outcomes = outcomes.ok_or_else(|| Error::other("the report has no outcomes"))?;
+    let counts = outcomes.split(',').filter_map(|entry| entry.split(':').nth(1)?.trim().parse::<u64>().ok());
+    Ok(counts.sum())
 }

@@ -1,5 +1,6 @@
 //! E57 (ASTM E2807), decoded by the crate `e57`: several scans with their poses.
 
+mod clouds;
 mod layout;
 mod points;
 mod write;
@@ -19,6 +20,7 @@ use crate::scans::{Scan, chosen};
 use crate::wording::counted;
 use crate::{Error, Format, Location, Place, ReadOptions};
 
+pub(crate) use self::clouds::read_clouds;
 pub(crate) use self::write::write;
 
 /// An error of the decoder. It names the page of a checksum that is wrong.

@@ -7,7 +7,7 @@ use nalgebra::{Point3, Vector3};
 use super::Pose;
 use super::layout::{Layout, Role};
 use crate::Error;
-use crate::columns::{free_name, to_byte};
+use crate::columns::{ROUNDED_COLOURS, free_name, to_byte};
 use crate::pieces::Piece;
 use crate::scans::Scan;
 use crate::wording::counted;
@@ -155,9 +155,7 @@ impl Points {
         for (_, values) in &mut self.scalars {
             values.resize(before + count, f64::NAN);
         }
-        self.invalid += std::mem::take(&mut other.invalid);
-        self.colourless += std::mem::take(&mut other.colourless);
-        self.rounded |= std::mem::take(&mut other.rounded);
+        self.take_doubts(other);
     }
 
     /// Takes the positions and normals, and forgets the rest; points without a normal get one of NaN if `has_normals` says so.
@@ -175,6 +173,25 @@ impl Points {
         std::mem::take(&mut self.invalid)
     }
 
+    /// Says what was left out or changed.
+    pub(super) fn warn(&self, warnings: &mut Vec<String>) {
+        super::warn_of_invalid(self.invalid, warnings);
+        if self.colourless > 0 {
+            let points = counted(self.colourless, "point");
+            warnings.push(format!("black: {points} whose colour is marked as not measured"));
+        }
+        if self.rounded {
+            warnings.push(ROUNDED_COLOURS.to_owned());
+        }
+    }
+
+    /// Takes over what is to be said of others, who say nothing any more.
+    pub(super) fn take_doubts(&mut self, other: &mut Self) {
+        self.invalid += std::mem::take(&mut other.invalid);
+        self.colourless += std::mem::take(&mut other.colourless);
+        self.rounded |= std::mem::take(&mut other.rounded);
+    }
+
     /// The points as a cloud; `scans` are those they are from, whose numbers become a scalar where there are several.
     pub(super) fn into_cloud(
         self,
@@ -185,14 +202,7 @@ impl Points {
         if self.positions.is_empty() && self.invalid == 0 {
             return Ok(super::nothing());
         }
-        super::warn_of_invalid(self.invalid, warnings);
-        if self.colourless > 0 {
-            let points = counted(self.colourless, "point");
-            warnings.push(format!("black: {points} whose colour is marked as not measured"));
-        }
-        if self.rounded {
-            warnings.push("colours were rounded to 8 bits per channel".to_owned());
-        }
+        self.warn(warnings);
         let mut attributes = Attributes::default();
         if !self.normals.is_empty() {
             attributes.set_normals(Some(self.normals));

@@ -31,7 +31,7 @@ impl Field {
         Self { bits: Some((shift, mask)), ..Self::new(name, at, NumberType::U8) }
     }
 
-    fn of_record(&self, record: &[u8]) -> f64 {
+    pub(super) fn of_record(&self, record: &[u8]) -> f64 {
         let bytes = &record[self.at..self.at + self.number.size()];
         if let (Some((shift, mask)), [byte]) = (self.bits, bytes) {
             return f64::from((byte >> shift) & mask);

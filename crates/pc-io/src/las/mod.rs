@@ -1,6 +1,7 @@
 //! LAS and LAZ (ASPRS LAS 1.0 to 1.4), decoded by the crates `las` and `laz`. COPC files are read as the LAZ files they are.
 
 mod check;
+mod clouds;
 mod extra;
 mod fields;
 mod grid;
@@ -19,6 +20,7 @@ use crate::parsed::Parsed;
 use crate::pieces::{Piece, Taker};
 use crate::{Error, Place};
 
+pub(crate) use self::clouds::read_clouds;
 pub(crate) use self::write::write;
 
 /// Names of extra bytes that are normals.
@@ -71,6 +73,16 @@ impl Stream {
             let records = ::las::PointDataBuilder::new().for_header(found).build();
             Ok(Self { left: checked.points, reader, records, format, transform, descriptions })
         })
+    }
+
+    /// Reads on at the first point of `range`, up to its end.
+    fn limit_to(&mut self, range: std::ops::Range<u64>) -> Result<(), Error> {
+        self.left = range.end - range.start;
+        if range.start > 0 && self.left > 0 {
+            let reader = &mut self.reader;
+            guarded("LAS", || reader.seek(range.start).map_err(refused))?;
+        }
+        Ok(())
     }
 
     /// The format of the file.
@@ -157,6 +169,7 @@ fn refused(error: ::las::Error) -> Error {
 /// Hands over the positions and normals of all points in pieces of at most `limit`.
 pub(crate) fn read_pieces<E>(input: Input, limit: usize, taker: &mut Taker<'_, E>) -> Result<Parsed, Error> {
     let mut stream = Stream::open(input)?;
+    stream.limit_to(taker.begin(stream.left))?;
     loop {
         let piece = stream.next_piece(limit)?;
         if piece.positions.is_empty() || !taker.give(piece) {

@@ -18,7 +18,7 @@ use crate::wording::counted;
 use crate::{Error, Format, not_points};
 
 pub(crate) use self::pieces::{HEAD, PointRows};
-pub(crate) use self::write::write;
+pub(crate) use self::write::{write, write_first, write_more};
 
 /// Reads points, and triangles out of faces and triangle strips.
 pub(crate) fn read(source: Source<'_>) -> Result<Parsed, Error> {

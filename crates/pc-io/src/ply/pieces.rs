@@ -22,9 +22,18 @@ pub(crate) struct PointRows {
     positions: [(usize, NumberType); 3],
     normals: Option<[(usize, NumberType); 3]>,
     little_endian: bool,
+    /// The header, in which the number of points is left out.
+    header: [Vec<u8>; 2],
 }
 
 impl PointRows {
+    /// A file of these rows alone.
+    pub(crate) fn file_of(&self, rows: &[u8]) -> Vec<u8> {
+        let count = (rows.len() / self.stride).to_string();
+        let [before, after] = &self.header;
+        [before, count.as_bytes(), after, rows].concat()
+    }
+
     /// The rows of a file of `length` bytes that begins with `head`; `None` where it has to be read as a whole: text, lists,
     /// triangles, points in the plane, anything to be told about, and everything that is wrong.
     pub(crate) fn of(head: &[u8], length: u64) -> Option<Self> {
@@ -52,6 +61,7 @@ impl PointRows {
             return None;
         }
         let (positions, normals) = point_columns(&named.collect::<Vec<(&str, Kind)>>())?;
+        let header = split_at_count(head.get(..header.end)?)?;
         let place = |column: usize| {
             let before = element.properties[..column].iter().map(|property| property.value.size()).sum();
             (before, element.properties[column].value)
@@ -63,6 +73,7 @@ impl PointRows {
             positions: positions.map(place),
             normals: normals.map(|normals| normals.map(place)),
             little_endian,
+            header,
         })
     }
 
@@ -82,4 +93,17 @@ impl PointRows {
             normals: self.normals.map(|normals| triples(normals).map(Vector3::from).collect()),
         }
     }
+}
+
+/// A header in two parts, with the number of points between them.
+fn split_at_count(header: &[u8]) -> Option<[Vec<u8>; 2]> {
+    let lines = Source { data: header }.lines_from(0);
+    let (at, line) = lines.into_iter().find(|(_, line)| {
+        let mut words = crate::source::words(line);
+        words.next() == Some(b"element") && words.next() == Some(b"vertex")
+    })?;
+    let end = line.trim_ascii_end().len();
+    let digits = line[..end].iter().rev().take_while(|byte| byte.is_ascii_digit()).count();
+    let (start, end) = (at + end - digits, at + end);
+    (digits > 0).then(|| [header[..start].to_vec(), header[end..].to_vec()])
 }

@@ -24,11 +24,37 @@ pub(crate) fn write(
     ascii: bool,
     warnings: &mut Vec<String>,
 ) -> io::Result<()> {
+    write_first(out, shape, shape.positions().len(), ascii, warnings)?;
+    let mut row = Row { ascii, bytes: Vec::new() };
+    for triangle in shape.triangles {
+        row.triangle(triangle)?;
+        row.end(out)?;
+    }
+    Ok(())
+}
+
+/// Writes the header of a file of `count` points, and the first of them.
+pub(crate) fn write_first(
+    out: &mut dyn Write,
+    shape: Shape<'_>,
+    count: usize,
+    ascii: bool,
+    warnings: &mut Vec<String>,
+) -> io::Result<()> {
     shape.warn_of_loss(KEEPS, warnings);
     let names = shape.scalar_names(warnings);
     let texts = shape.texts(&names);
     let texts: Vec<Text<'_>> = texts.into_iter().map(|(name, field)| Text::new(name, field)).collect();
-    write_header(out, shape, ascii, &names, &texts)?;
+    write_header(out, shape, count, ascii, &names, &texts)?;
+    write_points(out, shape, ascii, &texts)
+}
+
+/// Writes more points, which have no texts.
+pub(crate) fn write_more(out: &mut dyn Write, shape: Shape<'_>, ascii: bool) -> io::Result<()> {
+    write_points(out, shape, ascii, &[])
+}
+
+fn write_points(out: &mut dyn Write, shape: Shape<'_>, ascii: bool, texts: &[Text<'_>]) -> io::Result<()> {
     let mut row = Row { ascii, bytes: Vec::new() };
     for (index, point) in shape.positions().iter().enumerate() {
         row.doubles(&point.coords.as_slice()[..shape.cloud.dimension()])?;
@@ -43,13 +69,9 @@ pub(crate) fn write(
         for field in shape.attributes().scalars() {
             row.doubles(&field.values[index..=index])?;
         }
-        for text in &texts {
+        for text in texts {
             row.text(text, text.field.get(index).unwrap_or_default())?;
         }
-        row.end(out)?;
-    }
-    for triangle in shape.triangles {
-        row.triangle(triangle)?;
         row.end(out)?;
     }
     Ok(())
@@ -71,12 +93,13 @@ impl<'a> Text<'a> {
 fn write_header(
     out: &mut dyn Write,
     shape: Shape<'_>,
+    count: usize,
     ascii: bool,
     names: &[String],
     texts: &[Text<'_>],
 ) -> io::Result<()> {
     let format = if ascii { "ascii" } else { "binary_little_endian" };
-    write!(out, "ply\nformat {format} 1.0\nelement vertex {}\n", shape.positions().len())?;
+    write!(out, "ply\nformat {format} 1.0\nelement vertex {count}\n")?;
     let normals = if shape.normals().is_some() { ["nx", "ny", "nz"].as_slice() } else { &[] };
     for name in shape.axes().iter().chain(normals) {
         writeln!(out, "property double {name}")?;

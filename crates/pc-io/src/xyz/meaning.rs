@@ -6,7 +6,7 @@ use super::rows::Rows;
 /// Largest deviation of the length of a normal from 1.
 const UNIT: f64 = 0.02;
 /// Most rows that are looked at.
-const SAMPLE: usize = 10_000;
+pub(super) const SAMPLE: usize = 10_000;
 
 /// Names for the columns of rows without a header.
 ///

@@ -5,6 +5,7 @@ mod layout;
 mod meaning;
 mod names;
 mod notation;
+pub(crate) mod pieces;
 mod rows;
 mod write;
 
@@ -20,7 +21,7 @@ use crate::{Error, Format, ReadOptions, not_points};
 pub(crate) use self::layout::{format_of_row, looks_like_header, looks_like_row};
 pub(crate) use self::names::is_label;
 pub use self::write::write_text;
-pub(crate) use self::write::{write_csv, write_pts, write_xyz};
+pub(crate) use self::write::{write_csv, write_more, write_more_pts, write_pts, write_xyz};
 
 /// Reads one point per line. The meaning of the columns follows from the names in a header line, else from the
 /// number of columns and their values; what was assumed is told in the warnings.

@@ -27,26 +27,65 @@ const SAME_WIDTH: &str =
 
 /// Reads all rows.
 pub(super) fn read(source: Source<'_>, layout: &Layout) -> Result<Rows, Error> {
-    let mut width = layout.names.as_ref().map(Vec::len).or(layout.width);
-    let texts = layout.texts.iter().map(|_| TextField::default()).collect();
-    let values = Vec::with_capacity(source.data.len().saturating_sub(layout.data) / 10);
-    let mut rows = Rows { values, width: 0, texts, empty: 0 };
+    let mut reader = RowReader::new(layout);
+    reader.rows.values = Vec::with_capacity(source.data.len().saturating_sub(layout.data) / 10);
     for (at, line) in source.lines_from(layout.data) {
-        if is_comment(line) {
-            continue;
+        if !reader.read_line(source, layout, (at, line))? {
+            break;
         }
+    }
+    Ok(reader.finish())
+}
+
+/// Reads rows one after another.
+#[derive(Debug)]
+pub(super) struct RowReader {
+    pub(super) rows: Rows,
+    /// Number of columns, where it is known.
+    width: Option<usize>,
+}
+
+impl RowReader {
+    pub(super) fn new(layout: &Layout) -> Self {
+        let texts = layout.texts.iter().map(|_| TextField::default()).collect();
+        let rows = Rows { values: Vec::new(), width: 0, texts, empty: 0 };
+        Self { rows, width: layout.names.as_ref().map(Vec::len).or(layout.width) }
+    }
+
+    /// The rows read.
+    pub(super) fn finish(mut self) -> Rows {
+        self.rows.width = self.width();
+        self.rows
+    }
+
+    /// Number of columns.
+    pub(super) fn width(&self) -> usize {
+        self.width.unwrap_or(3)
+    }
+
+    /// Reads the line at a place of the source; false if no rows follow any more.
+    pub(super) fn read_line(
+        &mut self,
+        source: Source<'_>,
+        layout: &Layout,
+        (at, line): (usize, &[u8]),
+    ) -> Result<bool, Error> {
+        if is_comment(line) {
+            return Ok(true);
+        }
+        let rows = &mut self.rows;
         let before = rows.values.len();
-        rows.read_line(source, layout, (at, line), width)?;
+        rows.read_line(source, layout, (at, line), self.width)?;
         let found = rows.values.len() - before;
-        let expected = *width.get_or_insert(found);
+        let expected = *self.width.get_or_insert(found);
         if found != expected {
             // Several PTS scans in one file: each begins with its count.
             if layout.promised.is_some() && found == 1 && parse_count(line.trim_ascii()).is_some() {
                 rows.values.truncate(before);
-                continue;
+                return Ok(true);
             }
             if expected < 2 {
-                break;
+                return Ok(false);
             }
             return Err(source.line_error(
                 at,
@@ -61,9 +100,8 @@ pub(super) fn read(source: Source<'_>, layout: &Layout) -> Result<Rows, Error> {
                 "give a file with one point per line",
             ));
         }
+        Ok(true)
     }
-    rows.width = width.unwrap_or(3);
-    Ok(rows)
 }
 
 impl Rows {

@@ -35,8 +35,18 @@ pub(crate) fn write_xyz(out: &mut dyn Write, shape: Shape<'_>, warnings: &mut Ve
     write_rows(out, shape, &texts, " ")
 }
 
-/// Writes the count and rows x y z \[intensity\] \[r g b\].
-pub(crate) fn write_pts(out: &mut dyn Write, shape: Shape<'_>, warnings: &mut Vec<String>) -> io::Result<()> {
+/// Writes more rows of a table, which has no texts.
+pub(crate) fn write_more(out: &mut dyn Write, shape: Shape<'_>, is_csv: bool) -> io::Result<()> {
+    write_rows(out, shape, &[], if is_csv { "," } else { " " })
+}
+
+/// Writes the count of all points and rows x y z \[intensity\] \[r g b\].
+pub(crate) fn write_pts(
+    out: &mut dyn Write,
+    shape: Shape<'_>,
+    count: usize,
+    warnings: &mut Vec<String>,
+) -> io::Result<()> {
     let attributes = shape.attributes();
     shape.warn_of_loss(
         Keeps { normals: false, opacity: false, texts: false, plane: false, ..KEEPS },
@@ -49,8 +59,13 @@ pub(crate) fn write_pts(out: &mut dyn Write, shape: Shape<'_>, warnings: &mut Ve
     if !lost.is_empty() {
         warnings.push(format!("the format cannot hold and lost: {}", lost.join(", ")));
     }
-    writeln!(out, "{}", shape.positions().len())?;
-    let intensity = attributes.scalar("intensity");
+    writeln!(out, "{count}")?;
+    write_more_pts(out, shape)
+}
+
+/// Writes more rows of points.
+pub(crate) fn write_more_pts(out: &mut dyn Write, shape: Shape<'_>) -> io::Result<()> {
+    let intensity = shape.attributes().scalar("intensity");
     for (index, point) in shape.positions().iter().enumerate() {
         write_numbers(out, point.coords.as_slice(), " ", true)?;
         if let Some(values) = intensity {

@@ -8,6 +8,7 @@ mod meshes;
 mod mutation;
 mod nurbs_files;
 mod odd_rows;
+mod pieces;
 mod reference;
 mod round_trip;
 mod scanner_damage;

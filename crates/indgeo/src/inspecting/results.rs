@@ -1,15 +1,7 @@
 //! What an inspection found, as the report has it.
 
-use crate::report::{Report, Results};
 use industrial_geometry::inspection::Inspection;
 use serde::Serialize;
-
-/// Puts what was found into the report.
-pub(crate) fn conclude(found: &Inspection, non_finite: usize, report: &mut Report) {
-    let results = InspectionResults::new(found.clone(), non_finite);
-    report.count_points("points", results.points_dropped, results.points_used);
-    report.results = Some(Results::Inspection(Box::new(results)));
-}
 
 /// What an inspection found, with the names that all commands share.
 #[derive(Debug, Serialize)]
@@ -34,7 +26,7 @@ pub(crate) struct InspectionResults {
 }
 
 impl InspectionResults {
-    fn new(found: Inspection, dropped: usize) -> Self {
+    pub(super) fn new(found: Inspection, dropped: usize) -> Self {
         let distance = found.total.distance.as_ref();
         Self {
             points_dropped: dropped,
