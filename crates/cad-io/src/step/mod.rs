@@ -8,7 +8,9 @@ mod assembly;
 mod curve;
 mod keys;
 mod numbers;
+mod pmi;
 mod reader;
+mod records;
 mod surface;
 
 use crate::{Error, Location, Place};
@@ -89,8 +91,14 @@ fn read(bytes: &[u8]) -> Result<ModelDescription, Error> {
     let scene = model.scene();
     let units = scene.units();
     let angle = units.angle.as_ref().map_or(1.0, |unit| unit.to_si);
-    let reader =
-        Reader { scene: &scene, model: &model, angle, numbers: &numbers, unread: RefCell::new(Vec::new()) };
+    let reader = Reader {
+        scene: &scene,
+        model: &model,
+        angle,
+        numbers: &numbers,
+        unread: RefCell::new(Vec::new()),
+        converted: RefCell::new(Vec::new()),
+    };
     let assembly = Assembly::of(&reader).map_err(|what| Error::Unsupported {
         location: Location { file: None, place: Place::Whole },
         what,
@@ -107,13 +115,18 @@ fn read(bytes: &[u8]) -> Result<ModelDescription, Error> {
         return Err(empty(&unread));
     }
     let name = model.header().file_name.clone();
+    let unit = units.length.as_ref().and_then(length_unit);
+    let faces = assembly.parts.iter().flat_map(|part| &part.faces).map(|face| face.source).collect();
+    let tolerances = pmi::read(bytes, unit.as_ref(), &faces);
     Ok(ModelDescription {
         name,
-        unit: units.length.as_ref().and_then(length_unit),
+        unit,
         uncertainty: units.precision.filter(|p| *p > 0.0 && p.is_finite()),
         parts: assembly.parts,
         instances: assembly.instances,
         unread,
+        converted: reader.converted.take(),
+        tolerances,
     })
 }
 

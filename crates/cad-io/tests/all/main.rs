@@ -14,5 +14,9 @@ mod step;
 #[cfg(feature = "step")]
 mod step_damage;
 #[cfg(feature = "step")]
+mod step_numbers;
+#[cfg(feature = "step")]
+mod step_pmi;
+#[cfg(feature = "step")]
 mod step_write;
 mod tessellation;
