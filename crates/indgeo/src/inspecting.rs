@@ -132,7 +132,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Inspection, Erro
         Model::Cad(cad) => Some(cad.units()),
         _ => None,
     };
-    report.warnings.extend(units.as_ref().and_then(|units| units.warning(points.diagonal())));
+    report.warn_now(units.as_ref().and_then(|units| units.warning(points.diagonal())), job.quiet);
     let nominal = Timings::measure(&mut timings.build, || build(loaded, job, report))?;
     let options = options(job, &nominal);
     describe(job, &nominal, measured, units.as_ref(), transform.as_ref(), report);
@@ -196,6 +196,7 @@ pub(crate) fn describe(
             _ => "nurbs",
         },
         unit: units.map(|units| units.name.clone()),
+        points_unit: units.map(Units::of_points),
         dimension: if measured == Measured::Profile { 2 } else { 3 },
         shapes: nominal.shapes().len(),
         patches: nominal.piece_count(),
@@ -371,9 +372,16 @@ fn write(
         if let Some(path) = job.page {
             let name =
                 |path: &Path| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-            let (model, cloud) = (name(job.model), name(job.points));
+            // Which units the lengths of the page have.
+            let unit = report.model.as_ref().and_then(|model| model.unit.clone());
+            let in_unit = |name: String, how: &str| match &unit {
+                Some(unit) => format!("{name} ({how}{unit})"),
+                None => name,
+            };
+            let model = in_unit(name(job.model), "unit: ");
+            let cloud = in_unit(name(job.points), "states no unit, taken as ");
             let page = Page {
-                title: &format!("Inspection of {cloud}"),
+                title: &format!("Inspection of {}", name(job.points)),
                 model: &model,
                 cloud: &cloud,
                 program: concat!("indgeo ", env!("CARGO_PKG_VERSION")),

@@ -22,6 +22,9 @@ use std::path::Path;
 /// the normal that is to agree.
 const GOOD: [&str; 4] = ["converged", "on_boundary", "invalid_point", "no_normal"];
 
+/// Share of the diagonal of a CAD model above which gaps are counted.
+const WIDE_GAP: f64 = 1e-7;
+
 /// Name of the status of points with a foot whose proof is not complete.
 const UNPROVEN: &str = "uncertified";
 
@@ -87,7 +90,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Projected, Error
     warn(report, job, &loaded, &points);
 
     if let Model::Cad(cad) = &loaded.model {
-        report.warnings.extend(cad.unit_warning(points.diagonal()));
+        report.warn_now(cad.unit_warning(points.diagonal()), job.quiet);
     }
     let shapes = loaded.shapes;
     let target = Timings::measure(&mut timings.build, || Target::build(loaded.model, job.model))?;
@@ -113,7 +116,19 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Projected, Error
     report.timings = timings;
     let projected = Projected { points, feet, layout };
     write(job.out, format, &projected, report)?;
-    let results = results(&projected, job, &shapes);
+    let mut results = results(&projected, job, &shapes);
+    if let Target::Cad(cad) = &target {
+        let feet = projected.feet.iter().filter(|foot| foot.exists());
+        let wide = WIDE_GAP * cad.model.bounds().diagonal();
+        results.wide_gaps = Some(feet.clone().filter(|foot| foot.gap() > wide).count());
+        results.undecided_sides = Some(feet.filter(|foot| foot.side == "undecided").count());
+    }
+    if let Some(count) = results.undecided_sides.filter(|count| *count > 0) {
+        report.warnings.push(format!(
+            "{count} of {} have distances without a sign: on which side of the model they lie is not known (column side)",
+            counted(results.points, "point")
+        ));
+    }
     let open = results.status.get(Status::Uncertified.name()).copied().unwrap_or(0);
     if open > 0 {
         report.warnings.push(format!(
@@ -205,11 +220,11 @@ fn summarise(target: &Target, shapes: usize) -> ModelSummary {
         Target::Mesh(mesh) => ("mesh", 3, mesh.is_solid()),
         Target::Cad(_) => ("cad", 3, true),
     };
-    let unit = match target {
-        Target::Cad(cad) => Some(cad.unit().to_owned()),
-        _ => None,
+    let (unit, points_unit) = match target {
+        Target::Cad(cad) => (Some(cad.unit().to_owned()), Some(cad.points_unit())),
+        _ => (None, None),
     };
-    ModelSummary { kind, unit, dimension, shapes, patches: target.piece_count(), signed }
+    ModelSummary { kind, unit, points_unit, dimension, shapes, patches: target.piece_count(), signed }
 }
 
 fn results(
@@ -253,6 +268,8 @@ fn results(
         distance,
         worst,
         largest_gap: largest_gap.filter(|_| job.mode == SearchMode::Certified),
+        wide_gaps: None,
+        undecided_sides: None,
         shapes: shape_results(feet, shapes),
     }
 }

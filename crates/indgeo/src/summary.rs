@@ -8,7 +8,7 @@ use crate::fitting_surface::SurfaceResults;
 use crate::on_surface;
 use crate::parameterizing::ParameterResults;
 use crate::registration_report::RegistrationResults;
-use crate::report::{ProjectionResults, Report, Results};
+use crate::report::{ModelSummary, ProjectionResults, Report, Results};
 use crate::segmenting;
 use crate::views_report::ViewsResults;
 use crate::wording::counted;
@@ -73,7 +73,11 @@ fn write_projection(text: &mut String, report: &Report, results: &ProjectionResu
         writeln!(text, "  worst     {} at point {} (from 0){name}", plain(worst.distance), worst.index)?;
     }
     if let Some(gap) = results.largest_gap {
-        writeln!(text, "  certified no point of the model is nearer by more than {gap:.1e}")?;
+        let wide = results.wide_gaps.map_or_else(String::new, |wide| {
+            let share = percent(wide as u64, results.points as u64, Rounding::Up);
+            format!("; by more than 1e-7 of its diagonal at {wide} points ({share})")
+        });
+        writeln!(text, "  certified no point of the model is nearer by more than {gap:.1e}{wide}")?;
     } else if report.model.as_ref().is_some_and(|model| model.kind != "mesh") {
         let mode = report.options.as_ref().map_or("", |options| options.mode);
         let what = match mode {
@@ -434,6 +438,9 @@ fn write_folds(text: &mut String, folds: &Folds) -> std::fmt::Result {
 }
 
 pub(crate) fn write_end(text: &mut String, report: &Report) -> std::fmt::Result {
+    if let Some(ModelSummary { unit: Some(unit), points_unit: Some(of_points), .. }) = &report.model {
+        writeln!(text, "  units     model {unit}; points {of_points}")?;
+    }
     let timings = &report.timings;
     writeln!(
         text,

@@ -9,6 +9,7 @@ mod iges_files;
 mod iges_models;
 mod iges_mutation;
 mod iges_write;
+mod lines;
 #[cfg(feature = "step")]
 mod step;
 #[cfg(feature = "step")]

@@ -108,7 +108,7 @@ impl Nominal {
     /// A CAD model with trimmed faces. Its faces are numbered through all instances of its parts, and called by their names in
     /// the file, or by their numbers there.
     ///
-    /// Deviations are measured along the shortest lines only. Feet on edges count with the mean normal of the faces there.
+    /// Feet on edges count with the mean normal of the faces there; where a line meets an edge, with that of the face that it meets.
     ///
     /// # Errors
     /// [`Error::EmptyModel`] without faces.
@@ -189,8 +189,8 @@ impl Nominal {
     /// `progress` may cancel: what is left then has [`Outcome::Cancelled`].
     ///
     /// Lines of projection are followed in both senses to the nearest point of the shape that counts: on meshes by exact
-    /// intersection; on surfaces by steps as long as the certified distance allows (\[Ha96\]), so that no nearer point is missed
-    /// but within the [`gap`](Deviation::gap), and by Newton's method at the end.
+    /// intersection; on CAD models by all crossings with their faces; on surfaces by steps as long as the certified distance allows
+    /// (\[Ha96\]), so that no nearer point is missed but within the [`gap`](Deviation::gap), and by Newton's method at the end.
     ///
     /// With a largest angle, the feet that count along shortest lines are the local minima of the distance on surfaces, and the
     /// nearest points of the triangles of a mesh, where the normal of the shape, on a kink or edge that of any face there, is
@@ -235,7 +235,6 @@ impl Nominal {
             (Kind::Profile(_) | Kind::Curves(_), Along::Normal | Along::Direction(_)) => {
                 return Err(Error::AlongCurves);
             }
-            (Kind::Brep(_), Along::Normal | Along::Direction(_)) => return Err(Error::AlongFaces),
             (Kind::Profile(_) | Kind::Curves(_), _) if limit.is_some() => return Err(Error::FacingCurves),
             (Kind::Mesh(mesh), _) if limit.is_some() && !mesh.is_signed() => {
                 return Err(Error::FacingUnoriented);
@@ -304,7 +303,8 @@ impl Nominal {
             (Kind::Surfaces(nominal), Some(line)) => {
                 trace::along(nominal.as_ref(), point, line, options.max_distance, facing)
             }
-            (Kind::Brep(nominal), _) => nominal.shortest(point, facing),
+            (Kind::Brep(nominal), None) => nominal.shortest(point, facing),
+            (Kind::Brep(nominal), Some(line)) => nominal.along(point, line, options.max_distance, facing),
             // Many of these are measured at once, or refused before.
             (Kind::Surfaces(_) | Kind::Profile(_) | Kind::Curves(_), _) => Deviation::none(Outcome::NoHit),
         }
@@ -340,6 +340,7 @@ impl Nominal {
                 let offset = if is_hit { Vector3::zeros() } else { offset };
                 nominal.normal(shape, record.parameter, &offset)
             }
+            Kind::Brep(nominal) if is_hit => nominal.face_normal(shape, record.parameter),
             Kind::Brep(nominal) => {
                 let facing = normal.zip(options.angle_limit()).and_then(|(n, a)| Facing::new(n, a).ok());
                 nominal.normal(point, facing.filter(|_| record.is_restricted()).as_ref())
