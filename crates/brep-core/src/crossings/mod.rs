@@ -188,7 +188,7 @@ impl Line {
     fn zeros(&self, part: &Part, face: &Face, [start, end]: [f64; 2]) -> Zeros {
         // From a point in the box on: coordinates of a point that is far away would cancel.
         let middle = 0.5 * (start + end);
-        let base = Line { origin: self.at(middle), direction: self.direction };
+        let base = Self { origin: self.at(middle), direction: self.direction };
         let half = 0.5 * (end - start) + NOTHING * part.size;
         let analytic = |roots: Vec<f64>| {
             let roots = roots.into_iter().filter(|t| t.abs() <= half).map(|t| (middle + t, None));

@@ -172,7 +172,7 @@ impl Cell {
             .max(length(self.at(0, last.1), self.at(last.0, last.1)));
         let v = length(self.at(0, 0), self.at(0, last.1))
             .max(length(self.at(last.0, 0), self.at(last.0, last.1)));
-        let along_u = if u == v { self.depth % 2 == 0 } else { u > v };
+        let along_u = if u == v { self.depth.is_multiple_of(2) } else { u > v };
         let (mut first, mut second) = (self.clone(), self.clone());
         let middle = (self.low + self.high) * 0.5;
         let axis = usize::from(!along_u);

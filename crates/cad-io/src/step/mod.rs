@@ -2,12 +2,13 @@
 //!
 //! The crate reads the text into entities and drops what it cannot use, with reasons; here its entities become
 //! descriptions. Elementary surfaces stay what they are, B-splines keep their numbers to the bit, extrusions and
-//! revolutions become B-splines exactly.
+//! revolutions become B-splines exactly, offsets of free-form surfaces within 1e-8 of their size.
 
 mod assembly;
 mod curve;
 mod keys;
 mod numbers;
+mod offset;
 mod pmi;
 mod reader;
 mod records;

@@ -1,6 +1,6 @@
 //! Tolerances and dimensions that AP242 files state about faces (semantic PMI).
 //!
-//! The chain of entities is that of the recommended practices for the representation of PMI (CAx Implementor Forum): a tolerance
+//! The chain of entities is that of the recommended practices for the representation of PMI (Implementor Forum of the `CAx` association): a tolerance
 //! or a dimension names a shape aspect, and a `GEOMETRIC_ITEM_SPECIFIC_USAGE` says which faces that is; composite and derived
 //! aspects lead to theirs by relationships.
 
@@ -93,8 +93,8 @@ impl Pmi<'_> {
     fn tolerance(&self, number: u64, record: &Record) -> PmiTolerance {
         let own = record.values(|kind| kind == "GEOMETRIC_TOLERANCE").or_else(|| record.values(is_tolerance));
         let own = own.unwrap_or_default();
-        let leaf = record.parts.iter().map(|(kind, _)| kind.as_str());
-        let leaf = leaf.filter(|kind| is_tolerance(kind) && *kind != "GEOMETRIC_TOLERANCE").next();
+        let mut kinds = record.parts.iter().map(|(kind, _)| kind.as_str());
+        let leaf = kinds.find(|kind| is_tolerance(kind) && *kind != "GEOMETRIC_TOLERANCE");
         let kind = leaf.unwrap_or("GEOMETRIC_TOLERANCE").trim_end_matches("_TOLERANCE");
         let mut modifiers = Vec::new();
         for (part, values) in &record.parts {

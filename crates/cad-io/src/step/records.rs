@@ -19,7 +19,7 @@ pub(super) enum Value {
     /// `.NAME.`, `$` or `*`, without dots.
     Word(String),
     /// Values in parentheses; of a typed value (`LENGTH_MEASURE(1.)`) with its type.
-    List(String, Vec<Value>),
+    List(String, Vec<Self>),
 }
 
 /// The types of an entity with the values of each: one, or several for a complex entity.

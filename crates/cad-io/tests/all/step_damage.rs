@@ -24,7 +24,7 @@ const PIECES: [&str; 14] = [
     "1.0E+400",
 ];
 
-fn mutate(text: &[u8], seed: u64) -> Vec<u8> {
+pub(crate) fn mutate(text: &[u8], seed: u64) -> Vec<u8> {
     let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
     let mut next = |below: usize| {
         state ^= state << 13;
@@ -69,12 +69,6 @@ fn run(name: &str, seeds: std::ops::Range<u64>) {
 }
 
 #[test]
-fn damaged_files_end_in_errors_or_models() {
-    run("00000050_80d90bfdd2e74e709956122a_step_000.step", 0..60);
-}
-
-#[test]
-#[ignore = "takes a minute"]
 fn two_thousand_damaged_files() {
     run("00000050_80d90bfdd2e74e709956122a_step_000.step", 0..1000);
     run("nema-17-bracket.step", 1000..2000);

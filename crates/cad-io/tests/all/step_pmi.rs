@@ -1,6 +1,7 @@
 //! Tolerances and dimensions of AP242 files.
 
 use crate::step::fixture;
+use crate::step_damage::mutate;
 use brep_core::description::{ModelDescription, PmiTolerance};
 use cad_io::read_step;
 use std::f64::consts::FRAC_PI_6;
@@ -137,4 +138,15 @@ fn circles_of_aspects_and_files_without_tolerances_end() {
     assert_eq!((&model.tolerances[0].faces, model.tolerances[0].value), (&vec![a], None));
     let plain = std::fs::read(fixture("nema-17-bracket.step")).unwrap();
     assert!(read_step(&plain).unwrap().tolerances.is_empty());
+}
+
+#[test]
+fn damaged_chains_end() {
+    for seed in 0..200 {
+        let records = mutate(RECORDS.as_bytes(), seed);
+        let (bytes, _) = annotated(&String::from_utf8_lossy(&records));
+        if let Ok(model) = read_step(&bytes) {
+            assert!(model.tolerances.iter().all(|t| t.value.is_none_or(f64::is_finite)), "seed {seed}");
+        }
+    }
 }

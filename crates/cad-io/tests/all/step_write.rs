@@ -333,3 +333,39 @@ fn closed_shells_become_solids_and_voids() {
         String::from_utf8(cad_io::to_step(&balls(&[(2.0, 0.0, true), (1.0, 9.0, false)])).unwrap()).unwrap();
     assert!(text.contains("SHELL_BASED_SURFACE_MODEL") && !text.contains("SOLID_BREP("), "{text}");
 }
+
+#[test]
+fn offsets_of_free_form_surfaces_become_splines() {
+    // Two quarters of cylinders as B-splines; the outer one is then said to be an offset of the inner one.
+    let quarter = |radius: f64| {
+        let piece = Cylinder::new(Frame::WORLD, radius, Interval::new(0.0, 3.0).unwrap()).unwrap();
+        AnalyticSurface::from(piece.with_angles(Interval::new(0.2, 1.7).unwrap()).unwrap())
+            .to_nurbs()
+            .unwrap()
+    };
+    let mut model = ModelBuilder::new("offset", Some(LengthUnit::millimetre()));
+    model.surface("inner", quarter(2.0));
+    model.surface("outer", quarter(2.5));
+    let text = String::from_utf8(cad_io::to_step(&model.finish()).unwrap()).unwrap();
+    let surface_of = |name: &str| {
+        let face =
+            text.split(';').find(|record| record.contains(&format!("ADVANCED_FACE('{name}'"))).unwrap();
+        let words: Vec<&str> = face.split(',').collect();
+        words[words.len() - 2].to_owned()
+    };
+    let (inner, outer) = (surface_of("inner"), surface_of("outer"));
+    let end = text.rfind("ENDSEC").unwrap();
+    let changed = text[..end].replace(&format!(",{outer},"), ",#900000,");
+    let changed = format!("{changed}#900000=OFFSET_SURFACE('',{inner},0.5,.F.);\n{}", &text[end..]);
+    let read = cad_io::read_step(changed.as_bytes()).unwrap();
+    assert!(read.unread.is_empty(), "{:?}", read.unread);
+    assert_eq!(read.converted.iter().map(|c| c.kind).collect::<Vec<_>>(), ["offset"]);
+    let model = brep_core::Model::new(&read).unwrap();
+    assert!(model.unread().is_empty(), "{:?}", model.unread());
+    for k in 0..40 {
+        let angle = 0.25 + 1.4 * f64::from(k) / 39.0;
+        let x = Vector3::new(2.7 * angle.cos(), 2.7 * angle.sin(), 0.3 + 0.06 * f64::from(k));
+        let foot = model.nearest(&x).unwrap();
+        assert!((foot.distance - 0.2).abs() < 1e-7, "{foot:?}");
+    }
+}

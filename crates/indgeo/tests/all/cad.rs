@@ -136,7 +136,7 @@ fn faces_are_chosen_by_number() {
 fn lines_are_followed_to_the_faces() {
     let bench = bench_with_points();
     // The bracket has a plate from x = 0 to 3; beside its holes lines along x meet both of its sides.
-    bench.put("line.xyz", "-2 15 30\n5.5 15 30\n1 15 30\n-2 900 30\n");
+    bench.put("line.xyz", "-2 19 30\n5.5 19 30\n1 19 30\n-2 900 30\n");
     let run =
         bench.run("inspect bracket.step line.xyz --tolerance 9 --along 1,0,0 -o line.csv --json r.json");
     assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
@@ -185,7 +185,7 @@ fn info_names_the_tolerances_and_their_faces() {
 #90007=PARALLELISM_TOLERANCE('Parallelism.1','',#90004,#90001,(#90006));
 ";
     let end = text.rfind("ENDSEC").unwrap();
-    bench.put("pmi.step", &format!("{}{records}{}", &text[..end], &text[end..]));
+    bench.put("pmi.step", format!("{}{records}{}", &text[..end], &text[end..]));
     let run = bench.run("info pmi.step");
     assert_eq!(run.code, 0, "{}", run.stderr);
     assert!(run.stdout.contains("#90007 parallelism \"Parallelism.1\" 0.2 to A: #1085"), "{}", run.stdout);
