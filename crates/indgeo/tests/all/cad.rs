@@ -86,6 +86,9 @@ fn inspection_reports_each_face() {
     let within = table().iter().filter(|(_, d, _)| d.abs() <= 0.5).count();
     assert!(report.to_string().contains('#'), "faces are called by their numbers");
     assert!(within > 0 && bench.text("r.html").contains("<html"));
+    let parts = report["results"]["parts"].as_array().unwrap();
+    assert_eq!((parts.len(), &parts[0]["count"]), (1, &report["results"]["total"]["count"]), "{parts:?}");
+    assert_eq!(parts[0]["distance"]["rms"], report["results"]["total"]["distance"]["rms"]);
     assert!(bench.text("r.html").contains("unit: mm") && bench.text("r.html").contains("taken as mm"));
 }
 
@@ -197,4 +200,26 @@ fn info_names_the_tolerances_and_their_faces() {
         (&stated[0]["value"], &stated[0]["datums"][0], &stated[0]["faces"][0]),
         (&0.2.into(), &"A".into(), &"#1085".into())
     );
+}
+
+#[test]
+fn each_part_has_its_own_deviations() {
+    let bench = Bench::new();
+    let three = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../fixtures/cad/00000050_80d90bfdd2e74e709956122a_step_000.step"
+    );
+    std::fs::copy(three, bench.path("three.step")).unwrap();
+    // Points of the triangles of all parts lie within the chord tolerance of them.
+    let made = bench.run("convert three.step points.ply --chord 1e-5");
+    assert_eq!(made.code, 0, "{}", made.stderr);
+    let run = bench.run("inspect three.step points.ply --tolerance 2e-5 --json r.json --report r.html");
+    assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+    let report: Value = serde_json::from_str(&bench.text("r.json")).unwrap();
+    let parts = report["results"]["parts"].as_array().unwrap();
+    assert_eq!(parts.len(), 3);
+    let count: u64 = parts.iter().map(|part| part["count"].as_u64().unwrap()).sum();
+    assert_eq!(Some(count), report["results"]["total"]["count"].as_u64());
+    assert_eq!(run.stdout.matches("  part      ").count(), 3, "{}", run.stdout);
+    assert!(bench.text("r.html").contains("id=\"parts\""));
 }

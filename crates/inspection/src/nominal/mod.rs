@@ -36,6 +36,9 @@ pub struct ShapeInfo {
     pub kind: &'static str,
     /// Its name, if it has one.
     pub name: Option<String>,
+    /// The part of a CAD model that it belongs to: index and name of the instance.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub part: Option<(u32, String)>,
 }
 
 /// The nominal shape, prepared for measurements.
@@ -61,7 +64,7 @@ impl Nominal {
     /// # Errors
     /// [`Error::EmptyModel`] without surfaces.
     pub fn from_surfaces(surfaces: Vec<BsplineSurface>) -> Result<Self, Error> {
-        let shapes = vec![ShapeInfo { kind: "surface", name: None }; surfaces.len()];
+        let shapes = vec![ShapeInfo { kind: "surface", name: None, part: None }; surfaces.len()];
         Ok(Self { kind: Kind::Surfaces(Box::new(SurfacesNominal::new(surfaces)?)), shapes })
     }
 
@@ -70,7 +73,7 @@ impl Nominal {
     /// # Errors
     /// [`Error::Mesh`] if no triangle has finite coordinates.
     pub fn from_mesh(mesh: &TriangleMesh) -> Result<Self, Error> {
-        let shapes = vec![ShapeInfo { kind: "mesh", name: None }];
+        let shapes = vec![ShapeInfo { kind: "mesh", name: None, part: None }];
         Ok(Self { kind: Kind::Mesh(Box::new(MeshNominal::new(mesh)?)), shapes })
     }
 
@@ -80,7 +83,8 @@ impl Nominal {
     /// [`Error::EmptyModel`] without surfaces.
     pub fn from_analytic(surfaces: &[AnalyticSurface]) -> Result<Self, Error> {
         let nominal = AnalyticNominal::new(surfaces.to_vec())?;
-        let shapes = surfaces.iter().map(|s| ShapeInfo { kind: analytic::kind(s), name: None }).collect();
+        let shapes =
+            surfaces.iter().map(|s| ShapeInfo { kind: analytic::kind(s), name: None, part: None }).collect();
         Ok(Self { kind: Kind::Analytic(Box::new(nominal)), shapes })
     }
 
@@ -92,7 +96,7 @@ impl Nominal {
     /// # Errors
     /// [`Error::EmptyModel`] without curves.
     pub fn from_profile(curves: Vec<BsplineCurve<2>>) -> Result<Self, Error> {
-        let shapes = vec![ShapeInfo { kind: "curve", name: None }; curves.len()];
+        let shapes = vec![ShapeInfo { kind: "curve", name: None, part: None }; curves.len()];
         Ok(Self { kind: Kind::Profile(Box::new(CurvesNominal::new(curves)?)), shapes })
     }
 
@@ -101,7 +105,7 @@ impl Nominal {
     /// # Errors
     /// [`Error::EmptyModel`] without curves.
     pub fn from_curves(curves: Vec<BsplineCurve<3>>) -> Result<Self, Error> {
-        let shapes = vec![ShapeInfo { kind: "curve", name: None }; curves.len()];
+        let shapes = vec![ShapeInfo { kind: "curve", name: None, part: None }; curves.len()];
         Ok(Self { kind: Kind::Curves(Box::new(CurvesNominal::new(curves)?)), shapes })
     }
 
@@ -114,7 +118,7 @@ impl Nominal {
     /// [`Error::EmptyModel`] without faces.
     pub fn from_brep(model: Arc<Model>) -> Result<Self, Error> {
         let mut shapes = Vec::new();
-        for instance in model.instances() {
+        for (instance, index) in model.instances().iter().zip(0_u32..) {
             let part = &model.parts()[instance.part];
             shapes.extend(part.faces().iter().map(|face| {
                 let number = format!("#{}", face.source());
@@ -125,7 +129,7 @@ impl Nominal {
                 };
                 let owner = if instance.name.is_empty() { part.name() } else { &instance.name };
                 let name = if owner.is_empty() { name } else { format!("{owner}: {name}") };
-                ShapeInfo { kind: "face", name: Some(name) }
+                ShapeInfo { kind: "face", name: Some(name), part: Some((index, owner.to_owned())) }
             }));
         }
         Ok(Self { kind: Kind::Brep(Box::new(BrepNominal::new(model)?)), shapes })
