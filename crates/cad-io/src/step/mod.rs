@@ -112,6 +112,8 @@ fn read(bytes: &[u8]) -> Result<ModelDescription, Error> {
             unread.push(Unread { source: *number, kind: kind.to_owned(), why: reason.to_string() });
         }
     }
+    // What was dropped only because of something else comes after that.
+    unread.sort_by_key(|one| one.why.starts_with("cascade"));
     if assembly.parts.is_empty() {
         return Err(empty(&unread));
     }
