@@ -13,6 +13,7 @@ mod pmi;
 mod reader;
 mod records;
 mod surface;
+mod undefined;
 
 use crate::{Error, Location, Place};
 use assembly::Assembly;
@@ -113,7 +114,14 @@ fn read(bytes: &[u8]) -> Result<ModelDescription, Error> {
         }
     }
     // What was dropped only because of something else comes after that.
-    unread.sort_by_key(|one| one.why.starts_with("cascade"));
+    let is_cascade = |one: &Unread| one.why.starts_with("cascade");
+    if unread.iter().any(is_cascade) {
+        let all: Vec<u64> = report.dropped.iter().map(|(number, _)| *number).collect();
+        let roots = undefined::find(bytes, &numbers, &all);
+        unread.retain(|one| roots.iter().all(|root| root.source != one.source));
+        unread.extend(roots);
+    }
+    unread.sort_by_key(is_cascade);
     if assembly.parts.is_empty() {
         return Err(empty(&unread));
     }

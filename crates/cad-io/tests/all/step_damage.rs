@@ -88,6 +88,11 @@ fn errors_name_line_or_entity() {
         let message = read_step(bytes).unwrap_err().to_string();
         assert!(message.contains(wanted), "{message}");
     }
+    // What is named and not there is told with who names it, and where.
+    let broken = String::from_utf8_lossy(&text).replace("#1086,#1163", "#999999,#1163");
+    let message = read_step(broken.as_bytes()).unwrap_err().to_string();
+    assert!(message.contains("#1085 (ADVANCED_FACE): it names #999999"), "{message}");
+    assert!(message.contains("(line 1290)"), "{message}");
     let missing = cad_io::read_step_file("no/such/file.step".as_ref()).unwrap_err().to_string();
     assert!(missing.contains("no/such/file.step"), "{missing}");
 }
