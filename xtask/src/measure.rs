@@ -209,6 +209,16 @@ const MEASUREMENTS: &[Measurement] = &[
         one_thread: true,
     },
     Measurement {
+        name: "cad",
+        title: "Trimmed faces of CAD files",
+        about: "Counts of faces, largest edge tolerances, areas of every face, distances and sides of points against tables that were made \
+                with OpenCASCADE and an independent search (`fixtures/cad`); folders with more files and tables can be given. Wanted: no \
+                wrong distance, side or area; .3 ms a point, 1 ms on the screw.",
+        program: "trimmed_faces",
+        arguments: &["fixtures/cad"],
+        one_thread: true,
+    },
+    Measurement {
         name: "subdivision",
         title: "Fits of Loop subdivision surfaces",
         about: "A body from a coarse control mesh: point, tangent and squared distance minimisation, distances after each iteration as \

@@ -4,8 +4,9 @@ use crate::Error;
 use crate::description::Carrier;
 use footpoint::SurfaceProjector;
 use nalgebra::{Vector2, Vector3};
-use nurbs_core::{BsplineSurface, Direction, Frame, ParametricSurface, SurfaceJet};
+use nurbs_core::{BezierPatch, BsplineSurface, Direction, Frame, ParametricSurface, SurfaceJet};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::sync::OnceLock;
 
 /// Share of the size of a B-spline surface below which its sides count as equal or as one point.
 const CLOSED: f64 = 1e-7;
@@ -53,6 +54,8 @@ pub(crate) struct Spline {
     poles_v: Vec<f64>,
     /// Parameters `u` of the columns that are one point.
     poles_u: Vec<f64>,
+    /// Its Bézier patches, made when a line asks for them.
+    patches: OnceLock<Vec<BezierPatch>>,
 }
 
 impl Surface {
@@ -278,7 +281,8 @@ impl Spline {
         let poles_v = [(0, v.start()), (n_v - 1, v.end())].into_iter().filter(|(j, _)| row(*j));
         let poles_u = [(0, u.start()), (n_u - 1, u.end())].into_iter().filter(|(i, _)| column(*i));
         let (poles_v, poles_u) = (poles_v.map(|p| p.1).collect(), poles_u.map(|p| p.1).collect());
-        Ok(Self { projector: SurfaceProjector::new(&surface), surface, poles_v, poles_u })
+        let patches = OnceLock::new();
+        Ok(Self { projector: SurfaceProjector::new(&surface), surface, poles_v, poles_u, patches })
     }
 
     /// Parameters inside the domain: wrapped where the surface is closed, else moved to the border.
@@ -356,6 +360,11 @@ fn positive(what: &str, radius: f64) -> Result<f64, Error> {
 }
 
 impl Spline {
+    /// Its Bézier patches.
+    pub(crate) fn patches(&self) -> &[BezierPatch] {
+        self.patches.get_or_init(|| self.surface.bezier_patches())
+    }
+
     /// Whether an end of a parameter (0: `u`, 1: `v`) is one point.
     pub(crate) fn has_pole(&self, parameter: usize) -> bool {
         !(if parameter == 0 { &self.poles_u } else { &self.poles_v }).is_empty()

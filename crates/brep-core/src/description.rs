@@ -25,6 +25,10 @@ pub struct ModelDescription {
     pub instances: Vec<InstanceDescription>,
     /// Entities of the file that hold geometry and were not read.
     pub unread: Vec<Unread>,
+    /// Surfaces that the file has in another form than the carriers of their faces.
+    pub converted: Vec<Converted>,
+    /// Tolerances and dimensions that the file states about its faces.
+    pub tolerances: Vec<PmiTolerance>,
 }
 
 impl ModelDescription {
@@ -84,6 +88,42 @@ pub struct Unread {
     pub kind: String,
     /// Why it was left out.
     pub why: String,
+}
+
+/// A face on a surface that became a B-spline or another kind of carrier.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Converted {
+    /// Number of the face.
+    pub face: EntityNumber,
+    /// What the surface is in the file: `extrusion`, `revolution` or `offset`.
+    pub kind: &'static str,
+}
+
+/// A tolerance or a dimension of the model (product and manufacturing information), as the file states it.
+///
+/// Lengths are in the unit of the file, angles in radians.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PmiTolerance {
+    /// Number of the entity.
+    pub source: EntityNumber,
+    /// Kind: `position`, `surface profile`, `flatness`, …, `dimensional size`, `angular location`, …
+    pub kind: String,
+    /// Name in the file; of dimensions what they measure (`diameter`, `linear distance`).
+    pub name: String,
+    /// Size of the tolerance zone, or nominal value of the dimension; `None` when the file states none that can be read.
+    pub value: Option<f64>,
+    /// Least and largest allowed deviation from the nominal value of a dimension.
+    pub limits: Option<[f64; 2]>,
+    /// Class of a fit (`H7`) that stands for the limits; may be empty.
+    pub fit: String,
+    /// Letters of the datums, the primary one first; those of a common datum are joined (`A-B`).
+    pub datums: Vec<String>,
+    /// Modifiers (`maximum material requirement`).
+    pub modifiers: Vec<String>,
+    /// Numbers of the faces of which it is stated. None: of the whole part, or of what [`others`](Self::others) names.
+    pub faces: Vec<EntityNumber>,
+    /// Numbers of other entities (edges, points, solids) of which it is stated.
+    pub others: Vec<EntityNumber>,
 }
 
 /// A part: faces with their shared edges and vertices, and free curves.

@@ -37,6 +37,7 @@
 mod area;
 mod boundary;
 mod carrier;
+mod crossings;
 pub mod description;
 mod edge;
 mod edge_curve;
@@ -55,6 +56,7 @@ mod tessellate;
 mod trace;
 mod tree;
 
+pub use crossings::{Crossing, LineSearch};
 pub use edge::Edge;
 pub use error::Error;
 pub use face::Face;

@@ -1,7 +1,7 @@
 //! Models: parts in their places.
 
 use crate::Error;
-use crate::description::{LengthUnit, ModelDescription, Placement, Unread};
+use crate::description::{Converted, LengthUnit, ModelDescription, Placement, PmiTolerance, Unread};
 use crate::foot::{Foot, On, Side};
 use crate::parallel;
 use crate::part::Part;
@@ -16,6 +16,8 @@ pub struct Model {
     parts: Vec<Part>,
     instances: Vec<Instance>,
     unread: Vec<Unread>,
+    converted: Vec<Converted>,
+    tolerances: Vec<PmiTolerance>,
     bounds: Aabb<3>,
 }
 
@@ -78,6 +80,8 @@ impl Model {
             parts,
             instances,
             unread,
+            converted: description.converted.clone(),
+            tolerances: description.tolerances.clone(),
             bounds,
         })
     }
@@ -110,6 +114,18 @@ impl Model {
     #[must_use]
     pub fn unread(&self) -> &[Unread] {
         &self.unread
+    }
+
+    /// Faces on surfaces that the file has in another form.
+    #[must_use]
+    pub fn converted(&self) -> &[Converted] {
+        &self.converted
+    }
+
+    /// Tolerances and dimensions that the file states.
+    #[must_use]
+    pub fn tolerances(&self) -> &[PmiTolerance] {
+        &self.tolerances
     }
 
     /// A box that contains the model.

@@ -2,18 +2,21 @@
 
 use crate::error::Error;
 use crate::files;
+use crate::memory;
 use clap::ValueEnum;
 use industrial_geometry::brep::description::{Carrier, FaceDescription, LengthUnit, ModelDescription};
 use industrial_geometry::brep::{Foot, Model, On};
-use industrial_geometry::cad::{is_iges, read_iges_file};
+use industrial_geometry::cad::{is_iges, read_iges};
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
 /// Bytes from which the format is recognised.
-const HEAD: u64 = 1024;
+const HEAD: u64 = 4096;
+const HEAD_BYTES: usize = 4096;
 
 /// Ratios of the sizes of model and scan that come from a mistaken unit.
 const UNIT_FACTORS: [(f64, &str); 2] = [(25.4, "inch and mm"), (1000.0, "m and mm")];
@@ -107,27 +110,36 @@ impl Choice {
     }
 }
 
-/// The format of a CAD file by its content. Standard input is none: it can be read once only.
-fn recognised(path: &Path) -> Option<&'static str> {
+/// The format of a CAD file by its content.
+fn recognised(path: &Path) -> Result<Option<&'static str>, Error> {
     let mut head = Vec::new();
-    let read = !files::is_stream(path)
-        && File::open(path).is_ok_and(|file| file.take(HEAD).read_to_end(&mut head).is_ok());
-    let text = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&head).trim_ascii_start();
-    match read {
-        true if text.starts_with(b"ISO-10303-21") => Some("step"),
-        true if is_iges(&head) => Some("iges"),
-        _ => None,
+    if let Some(bytes) = files::stream(path)? {
+        head.extend(bytes.iter().take(HEAD_BYTES));
+    } else if memory::read(path, |bytes, _| head.extend(bytes.iter().take(HEAD_BYTES))).is_none() {
+        // What cannot be opened is told by who reads it.
+        let _ = File::open(path).and_then(|file| file.take(HEAD).read_to_end(&mut head));
     }
+    let text = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&head).trim_ascii_start();
+    Ok(if text.starts_with(b"ISO-10303-21") {
+        Some("step")
+    } else if is_iges(&head) {
+        Some("iges")
+    } else {
+        None
+    })
 }
 
 impl CadModel {
     /// Reads a CAD file; `None` for a file of another kind.
     pub(crate) fn read(path: &Path, choice: &Choice) -> Result<Option<Self>, Error> {
-        let Some(format) = recognised(path) else {
+        let Some(format) = recognised(path)? else {
             choice.check_unused(path)?;
             return Ok(None);
         };
-        let mut description = if format == "step" { read_step(path)? } else { read_iges_file(path)? };
+        let bytes = files::read_bytes(path)?;
+        let read = if format == "step" { read_step(&bytes, path)? } else { read_iges(&bytes) };
+        drop(bytes);
+        let mut description = read.map_err(|error| Error::cad(error, files::spoken(path)))?;
         choice.apply(&mut description, path)?;
         let model = Model::new(&description)
             .map_err(|error| Error::content(path, error.to_string(), "export the part again as solids"))?;
@@ -183,9 +195,25 @@ impl CadModel {
         foot.face.map(|face| first + face)
     }
 
+    /// Number in the file of the face or edge that holds a foot.
+    pub(crate) fn entity(&self, foot: &Foot) -> Option<u64> {
+        let part = &self.model.parts()[self.model.instances().get(foot.instance)?.part];
+        match foot.on {
+            On::Face { face, .. } | On::Apex { face } => part.faces().get(face).map(|face| face.source()),
+            On::Edge { edge, .. } | On::Vertex { edge, .. } => {
+                part.edges().get(edge).map(|edge| edge.source())
+            }
+        }
+    }
+
     /// What is said when the sizes of model and scan look like those of different units.
     pub(crate) fn unit_warning(&self, scan: f64) -> Option<String> {
         self.units().warning(scan)
+    }
+
+    /// The unit in which points beside the model are taken.
+    pub(crate) fn points_unit(&self) -> String {
+        self.units().of_points()
     }
 
     /// The unit and the size of the model.
@@ -196,10 +224,14 @@ impl CadModel {
     /// The facts about the model, for `info`.
     pub(crate) fn describe(&self) -> Value {
         let model = &self.model;
-        let mut kinds = std::collections::BTreeMap::<&str, usize>::new();
+        let mut kinds = BTreeMap::<&str, usize>::new();
+        // What they are in the file counts, not the B-splines that they became.
+        let swept: BTreeMap<u64, &str> = model.converted().iter().map(|c| (c.face, c.kind)).collect();
         for instance in model.instances() {
             for face in model.parts()[instance.part].faces() {
-                *kinds.entry(kind(face.carrier())).or_default() += 1;
+                let own = swept.get(&face.source()).copied();
+                let own = own.filter(|_| matches!(face.carrier(), Carrier::Nurbs(_)));
+                *kinds.entry(own.unwrap_or_else(|| kind(face.carrier()))).or_default() += 1;
             }
         }
         let mut tolerances: Vec<f64> =
@@ -223,6 +255,8 @@ impl CadModel {
             "unit": model.unit().map(|u| u.name.clone()),
             "uncertainty": model.uncertainty(),
             "parts": model.parts().len(),
+            "part_list": self.part_list(),
+            "tolerances": self.tolerances(),
             "instances": model.instances().len(),
             "closed_shells": shells.clone().filter(|s| s.is_closed()).count(),
             "open_shells": shells.filter(|s| !s.is_closed()).count(),
@@ -237,13 +271,65 @@ impl CadModel {
     }
 }
 
+impl CadModel {
+    /// Each part with its name, how often it stands in the model, and what it holds.
+    fn part_list(&self) -> Vec<Value> {
+        let model = &self.model;
+        let described = model.parts().iter().enumerate().map(|(index, part)| {
+            let instances = model.instances().iter().filter(|instance| instance.part == index).count();
+            json!({
+                "name": part.name(),
+                "instances": instances,
+                "closed_shells": part.shells().iter().filter(|shell| shell.is_closed()).count(),
+                "faces": part.faces().len(),
+            })
+        });
+        described.collect()
+    }
+
+    /// Tolerances and dimensions of the file, with the faces of which they are stated.
+    fn tolerances(&self) -> Vec<Value> {
+        let faces = self.model.parts().iter().flat_map(|part| part.faces());
+        let names: BTreeMap<u64, &str> = faces.map(|face| (face.source(), face.name())).collect();
+        let called = |number: &u64| match names.get(number) {
+            None | Some(&("" | "NONE")) => format!("#{number}"),
+            Some(name) => format!("{name} #{number}"),
+        };
+        // JSON knows no infinite numbers.
+        let finite = |value: f64| value.is_finite().then_some(value);
+        let stated = self.model.tolerances().iter().map(|stated| {
+            json!({
+                "entity": stated.source,
+                "kind": stated.kind,
+                "name": stated.name,
+                "value": stated.value,
+                "lower": stated.limits.and_then(|limits| finite(limits[0])),
+                "upper": stated.limits.and_then(|limits| finite(limits[1])),
+                "fit": stated.fit,
+                "datums": stated.datums,
+                "modifiers": stated.modifiers,
+                "faces": stated.faces.iter().map(called).collect::<Vec<_>>(),
+                "other_entities": stated.others,
+            })
+        });
+        stated.collect()
+    }
+}
+
 #[cfg(feature = "step")]
-fn read_step(path: &Path) -> Result<ModelDescription, Error> {
-    Ok(industrial_geometry::cad::read_step_file(path)?)
+#[expect(clippy::unnecessary_wraps, reason = "without the feature it is an error")]
+fn read_step(
+    bytes: &[u8],
+    _path: &Path,
+) -> Result<Result<ModelDescription, industrial_geometry::cad::Error>, Error> {
+    Ok(industrial_geometry::cad::read_step(bytes))
 }
 
 #[cfg(not(feature = "step"))]
-fn read_step(path: &Path) -> Result<ModelDescription, Error> {
+fn read_step(
+    _bytes: &[u8],
+    path: &Path,
+) -> Result<Result<ModelDescription, industrial_geometry::cad::Error>, Error> {
     Err(Error::content(
         path,
         "this is a STEP file, and this program was built without reading them",
@@ -282,6 +368,11 @@ pub(crate) struct Units {
 }
 
 impl Units {
+    /// The unit in which points beside the model are taken.
+    pub(crate) fn of_points(&self) -> String {
+        format!("{}, taken as that of the model: the file of the points states none", self.name)
+    }
+
     /// What is said when the sizes of model and scan look like those of different units.
     pub(crate) fn warning(&self, scan: f64) -> Option<String> {
         let model = self.diagonal;

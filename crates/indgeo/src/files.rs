@@ -5,9 +5,11 @@ use crate::memory;
 use industrial_geometry::io::{
     self, AtomicFile, Content, Format, Loaded, ReadOptions, WriteOptions, WriteReport,
 };
+use std::collections::BTreeMap;
 use std::fs;
 use std::io::{BufWriter, ErrorKind, Read, StdoutLock, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// The name that stands for standard input and standard output.
 const STREAM: &str = "-";
@@ -17,10 +19,47 @@ pub(crate) fn is_stream(path: &Path) -> bool {
     path.as_os_str() == STREAM
 }
 
+/// What was read of standard input and of pipes, which can be read once only.
+static STREAMS: Mutex<BTreeMap<PathBuf, Arc<Vec<u8>>>> = Mutex::new(BTreeMap::new());
+
+/// Whether a path is one of standard input or of a pipe, which can be read once only.
+fn is_read_once(path: &Path) -> bool {
+    let is_pipe = || fs::metadata(path).is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir());
+    is_stream(path) || !memory::is_memory(path) && is_pipe()
+}
+
+/// All of standard input or of a pipe, kept for whoever asks again; `None` for files.
+pub(crate) fn stream(path: &Path) -> Result<Option<Arc<Vec<u8>>>, Error> {
+    if !is_read_once(path) {
+        return Ok(None);
+    }
+    let mut known = STREAMS.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(bytes) = known.get(path) {
+        return Ok(Some(Arc::clone(bytes)));
+    }
+    let mut bytes = Vec::new();
+    let read = if is_stream(path) {
+        std::io::stdin().lock().read_to_end(&mut bytes).map(|_| bytes)
+    } else {
+        fs::read(path)
+    };
+    let failed = |source| io::Error::Io { path: path.to_path_buf(), action: "read", source };
+    let bytes = Arc::new(read.map_err(failed)?);
+    known.insert(path.to_path_buf(), Arc::clone(&bytes));
+    Ok(Some(bytes))
+}
+
+/// How messages call a path.
+pub(crate) fn spoken(path: &Path) -> &Path {
+    if is_stream(path) { Path::new("standard input") } else { path }
+}
+
 /// Reads a file, or standard input where it is called `-`.
 pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Loaded<Content>, Error> {
-    if is_stream(path) {
-        return Ok(io::read_from(std::io::stdin().lock(), "standard input", options)?);
+    if let Some(bytes) = stream(path)? {
+        // Points are not kept twice.
+        STREAMS.lock().unwrap_or_else(PoisonError::into_inner).remove(path);
+        return Ok(io::read_from(bytes.as_slice(), spoken(path), options)?);
     }
     match memory::read(path, |bytes, name| io::read_from(bytes, name, options)) {
         Some(read) => Ok(read?),
@@ -33,14 +72,11 @@ pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, Error> {
     if let Some(bytes) = memory::read(path, |bytes, _| bytes.to_vec()) {
         return Ok(bytes);
     }
-    let mut bytes = Vec::new();
-    let read = if is_stream(path) {
-        std::io::stdin().lock().read_to_end(&mut bytes).map(|_| bytes)
-    } else {
-        fs::read(path)
-    };
+    if let Some(bytes) = stream(path)? {
+        return Ok(bytes.as_ref().clone());
+    }
     let failed = |source| io::Error::Io { path: path.to_path_buf(), action: "read", source };
-    Ok(read.map_err(failed)?)
+    Ok(fs::read(path).map_err(failed)?)
 }
 
 /// Reads what the bytes of a file hold.
@@ -49,8 +85,7 @@ pub(crate) fn read_from_bytes(
     path: &Path,
     options: &ReadOptions,
 ) -> Result<Loaded<Content>, Error> {
-    let name = if is_stream(path) { Path::new("standard input") } else { path };
-    Ok(io::read_from(bytes, name, options)?)
+    Ok(io::read_from(bytes, spoken(path), options)?)
 }
 
 /// Makes sure that standard input is read once at most.

@@ -1,6 +1,7 @@
 //! The fit of a curve: read, fit, write.
 
 use crate::cad_output::CadArgs;
+use crate::cad_shapes;
 use crate::error::Error;
 use crate::evolution;
 use crate::files;
@@ -71,13 +72,13 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Erro
     let inputs: Vec<&Path> = std::iter::once(job.points).chain(job.init).collect();
     let outputs: Vec<&Path> = [job.out, job.feet, job.history, job.evolution].into_iter().flatten().collect();
     check_paths(&inputs, &outputs)?;
+    if let Some(sensors) = job.sensors {
+        let content = cad_shapes::read(job.points, "model", report)?;
+        let start = job.init.map(|path| start(path, report)).transpose()?;
+        return to_model(job, content, start, sensors, report);
+    }
     let loaded =
         Timings::measure(&mut report.timings.read, || files::read(job.points, &ReadOptions::default()))?;
-    if let Some(sensors) = job.sensors {
-        report.add_input(Input::new("model", job.points, &loaded.report));
-        let start = job.init.map(|path| start(path, report)).transpose()?;
-        return to_model(job, loaded.content, start, sensors, report);
-    }
     report.add_input(Input::new("points", job.points, &loaded.report));
     let (points, planar) = positions(&loaded.content, job.points)?;
     match job.init.map(|path| start(path, report)).transpose()? {
@@ -112,11 +113,9 @@ fn in_plane(points: &[Vector3<f64>]) -> Vec<SVector<f64, 2>> {
     points.iter().map(|p| if p.z.is_finite() { p.xy() } else { SVector::repeat(f64::NAN) }).collect()
 }
 
-/// The first curve of a NURBS file.
+/// The first B-spline curve of a NURBS or CAD file.
 fn start(path: &Path, report: &mut Report) -> Result<Start, Error> {
-    let loaded = Timings::measure(&mut report.timings.read, || files::read(path, &ReadOptions::default()))?;
-    report.add_input(Input::new("init", path, &loaded.report));
-    let shapes = match loaded.content {
+    let shapes = match cad_shapes::read(path, "init", report)? {
         Content::Nurbs(model) => model.into_shapes(),
         _ => Vec::new(),
     };
@@ -126,7 +125,11 @@ fn start(path: &Path, report: &mut Report) -> Result<Start, Error> {
         Shape::Surface(_) => None,
     });
     curves.into_iter().next().ok_or_else(|| {
-        Error::content(path, "a curve is needed, but this file holds none", "give a NURBS curve (JSON)")
+        Error::content(
+            path,
+            "a curve is needed, but this file holds none",
+            "give a B-spline curve (JSON, STEP, IGES)",
+        )
     })
 }
 
@@ -161,7 +164,11 @@ fn to_model(
 ) -> Result<FitVerdict, Error> {
     let Content::Nurbs(model) = content else {
         let what = "a model of curves is needed";
-        return Err(Error::content(job.points, what, "give NURBS curves (JSON), or leave out --model"));
+        return Err(Error::content(
+            job.points,
+            what,
+            "give B-spline curves (JSON, STEP, IGES), or leave out --model",
+        ));
     };
     let (mut plane, mut space) = (Vec::new(), Vec::new());
     for shape in model.into_shapes() {

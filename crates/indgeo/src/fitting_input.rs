@@ -1,6 +1,7 @@
 //! What fits have in common besides the fit: paths, points, starts, results.
 
 use crate::cad_output::{self, CadArgs, CadFormat};
+use crate::cad_shapes;
 use crate::error::Error;
 use crate::files;
 use crate::report::{Input, Output, Report, Timings};
@@ -29,10 +30,15 @@ pub(crate) struct Scan {
 }
 
 impl Scan {
-    /// Reads a cloud or a mesh, or, if `shapes` says so, takes points from NURBS surfaces.
+    /// Reads a cloud or a mesh, or, if `shapes` says so, takes points from NURBS surfaces and the faces of CAD models.
     ///
     /// Of a file with more than `most` points an even sample is read, where its format allows that.
     pub(crate) fn read(path: &Path, shapes: bool, most: u32, report: &mut Report) -> Result<Self, Error> {
+        if shapes && let Some(cad) = cad_shapes::read_model(path, "points", report)? {
+            let samples = cad.model.samples(SAMPLES * SAMPLES);
+            let (points, normals) = samples.into_iter().map(|sample| (sample.point, sample.normal)).unzip();
+            return Ok(Self { points, normals: Some(normals), mesh: None });
+        }
         let mut seconds = report.timings.read;
         let loaded = Timings::measure(&mut seconds, || sampling::read(path, most, report))?;
         report.timings.read = seconds;
@@ -95,16 +101,18 @@ fn surfaces(model: Model) -> impl Iterator<Item = BsplineSurface> {
     })
 }
 
-/// The first surface of a NURBS file, to start from.
+/// The first B-spline surface of a NURBS or CAD file, to start from.
 pub(crate) fn start_surface(path: &Path, report: &mut Report) -> Result<BsplineSurface, Error> {
-    let loaded = Timings::measure(&mut report.timings.read, || files::read(path, &ReadOptions::default()))?;
-    report.add_input(Input::new("init", path, &loaded.report));
-    let found = match loaded.content {
+    let found = match cad_shapes::read(path, "init", report)? {
         Content::Nurbs(model) => surfaces(model).next(),
         _ => None,
     };
     found.ok_or_else(|| {
-        Error::content(path, "a surface is needed, but this file holds none", "give a NURBS surface (JSON)")
+        Error::content(
+            path,
+            "a surface is needed, but this file holds none",
+            "give a B-spline surface (JSON, STEP, IGES)",
+        )
     })
 }
 

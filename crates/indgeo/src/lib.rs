@@ -22,6 +22,7 @@ mod between_vertices;
 mod cad;
 mod cad_conversion;
 mod cad_output;
+mod cad_shapes;
 mod cad_tessellating;
 mod call;
 mod commands;

@@ -121,7 +121,7 @@ impl Prepared {
     pub(crate) fn describe(&self, job: &Job<'_>, read: &ReadReport, diagonal: f64, report: &mut Report) {
         report.add_input(Input::new("points", job.points, read));
         warn(report, job, &self.warnings, read);
-        report.warnings.extend(self.cad.as_ref().and_then(|cad| cad.unit_warning(diagonal)));
+        report.warn_now(self.cad.as_ref().and_then(|cad| cad.unit_warning(diagonal)), job.quiet);
         report.model = Some(summarise(&self.target, self.shapes.len()));
         report.options = Some(Options {
             mode: job.mode.name(),
@@ -161,7 +161,7 @@ fn finish(
     drop(progress);
     report.points_per_second = (timings.compute > 0.0).then(|| feet.len() as f64 / timings.compute);
     report.timings = timings;
-    let mut sum = ResultsSum::default();
+    let mut sum = ResultsSum::of(&prepared.target);
     sum.add(&points, &feet);
     let projected = Projected { points, feet, layout: prepared.layout };
     write(job.out, format, &projected, report)?;
@@ -172,6 +172,12 @@ fn finish(
 
 /// Says what is wrong with the results, and puts them into the report.
 pub(crate) fn conclude(job: &Job<'_>, results: ProjectionResults, report: &mut Report) {
+    if let Some(count) = results.undecided_sides.filter(|count| *count > 0) {
+        report.warnings.push(format!(
+            "{count} of {} have distances without a sign: on which side of the model they lie is not known (column side)",
+            counted(results.points, "point")
+        ));
+    }
     let open = results.status.get(Status::Uncertified.name()).copied().unwrap_or(0);
     if open > 0 {
         report.warnings.push(format!(
@@ -261,9 +267,9 @@ fn summarise(target: &Target, shapes: usize) -> ModelSummary {
         Target::Mesh(mesh) => ("mesh", 3, mesh.is_solid()),
         Target::Cad(_) => ("cad", 3, true),
     };
-    let unit = match target {
-        Target::Cad(cad) => Some(cad.unit().to_owned()),
-        _ => None,
+    let (unit, points_unit) = match target {
+        Target::Cad(cad) => (Some(cad.unit().to_owned()), Some(cad.points_unit())),
+        _ => (None, None),
     };
-    ModelSummary { kind, unit, dimension, shapes, patches: target.piece_count(), signed }
+    ModelSummary { kind, unit, points_unit, dimension, shapes, patches: target.piece_count(), signed }
 }

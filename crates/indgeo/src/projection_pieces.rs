@@ -70,7 +70,7 @@ pub(crate) fn run(
 ) -> Result<(), Error> {
     prepared.describe(job, &survey.read, survey.diagonal, report);
     let progress = Progress::new("projecting", job.quiet);
-    let mut sum = ResultsSum::default();
+    let mut sum = ResultsSum::of(&prepared.target);
     let (began, mut compute, mut write) = (Instant::now(), 0.0, 0.0);
     let written = output::write_in_pieces(job.out, format, survey.rows, |sink| {
         let take = |piece: Piece| -> Result<(), Error> {

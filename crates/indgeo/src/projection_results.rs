@@ -4,7 +4,7 @@ use crate::commands::project::SearchMode;
 use crate::points::Points;
 use crate::projection::Job;
 use crate::report::{ProjectionResults, ShapeResults, Worst};
-use crate::target::Foot;
+use crate::target::{Foot, Target};
 use industrial_geometry::footpoint::{Multiplicity, Status};
 use industrial_geometry::inspection::Moments;
 use industrial_geometry::io::ReadReport;
@@ -12,6 +12,9 @@ use std::collections::BTreeMap;
 
 /// Up to how many distances, of all shapes, quantiles come from the distances themselves.
 const EXACT_LIMIT: usize = 1 << 22;
+
+/// Share of the diagonal of a CAD model above which gaps are counted.
+const WIDE_GAP: f64 = 1e-7;
 
 /// Counts and exact sums; the pieces in which points come do not matter.
 #[derive(Debug, Default)]
@@ -24,9 +27,31 @@ pub(crate) struct ResultsSum {
     largest_gap: Option<f64>,
     /// Points on the boundary of a shape, and distances of all its points.
     shapes: BTreeMap<u32, (usize, Moments)>,
+    /// Of a CAD model: above what gaps are counted, how many are, and how many sides are not known.
+    cad: Option<CadCounts>,
+}
+
+/// What is counted of points beside a CAD model.
+#[derive(Debug)]
+struct CadCounts {
+    wide: f64,
+    wide_gaps: usize,
+    undecided_sides: usize,
 }
 
 impl ResultsSum {
+    /// Nothing yet, of projections onto a model.
+    pub(crate) fn of(target: &Target) -> Self {
+        let cad = match target {
+            Target::Cad(cad) => {
+                let wide = WIDE_GAP * cad.model.bounds().diagonal();
+                Some(CadCounts { wide, wide_gaps: 0, undecided_sides: 0 })
+            }
+            _ => None,
+        };
+        Self { cad, ..Self::default() }
+    }
+
     /// Adds the next points with their feet.
     pub(crate) fn add(&mut self, points: &Points, feet: &[Foot]) {
         let mut distances: BTreeMap<u32, Vec<f64>> = BTreeMap::new();
@@ -38,6 +63,10 @@ impl ResultsSum {
             *self.location.entry(foot.location).or_default() += 1;
             *self.multiplicity.entry(multiplicity_name(foot.multiplicity).to_owned()).or_default() += 1;
             self.largest_gap = Some(self.largest_gap.map_or(foot.gap(), |gap| gap.max(foot.gap())));
+            if let Some(cad) = &mut self.cad {
+                cad.wide_gaps += usize::from(foot.gap() > cad.wide);
+                cad.undecided_sides += usize::from(foot.side == "undecided");
+            }
             let (on_boundary, _) =
                 self.shapes.entry(foot.shape).or_insert_with(|| (0, Moments::new(EXACT_LIMIT)));
             *on_boundary += usize::from(foot.status == Status::OnBoundary);
@@ -96,6 +125,8 @@ impl ResultsSum {
             multiplicity: self.multiplicity,
             distance,
             largest_gap: self.largest_gap.filter(|_| job.mode == SearchMode::Certified),
+            wide_gaps: self.cad.as_ref().map(|cad| cad.wide_gaps),
+            undecided_sides: self.cad.as_ref().map(|cad| cad.undecided_sides),
             shapes: per_shape.collect(),
             worst: self.worst,
             status: self.status,

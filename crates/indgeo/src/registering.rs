@@ -137,12 +137,16 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Registered, Erro
                 .map(|p| industrial_geometry::mesh::nalgebra::Point3::from(*p))
                 .collect::<Vec<_>>(),
         );
-        report.warnings.extend(scan.and_then(|scan| cad.unit_warning(scan.diagonal())));
+        report.warn_now(scan.and_then(|scan| cad.unit_warning(scan.diagonal())), job.quiet);
     }
     let field = Timings::measure(&mut timings.build, || model.field(job.model))?;
     report.model = Some(ModelSummary {
         kind: model.kind(),
         unit: model.unit(),
+        points_unit: match &model {
+            RegistrationModel::Cad(cad) => Some(cad.points_unit()),
+            _ => None,
+        },
         dimension: if is_planar { 2 } else { 3 },
         shapes: 1.max(if matches!(model.kind(), "nurbs" | "cad") { model.count() } else { 1 }),
         patches: model.count(),
@@ -173,9 +177,14 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Registered, Erro
     if let Some(path) = job.page {
         let name = |path: &Path| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
         let places = model.few_samples().map_or_else(Vec::new, |samples| thinned(samples.points(), SHOWN));
+        let unit = report.model.as_ref().and_then(|model| model.unit.clone());
+        let in_unit = |name: String, how: &str| match &unit {
+            Some(unit) => format!("{name} ({how}{unit})"),
+            None => name,
+        };
         let page = Page {
-            model_name: &name(job.model),
-            points_name: &name(job.points),
+            model_name: &in_unit(name(job.model), "unit: "),
+            points_name: &in_unit(name(job.points), "states no unit, taken as "),
             model: &places,
             points: &cloud.positions,
             pose: &result.pose,

@@ -24,6 +24,7 @@ use industrial_geometry::inspection::Statistics;
 use industrial_geometry::io::ReadReport;
 use serde::Serialize;
 use std::collections::BTreeMap;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -64,6 +65,9 @@ pub(crate) struct Report {
     /// Whether nothing is said of the time it took.
     #[serde(skip)]
     pub(crate) no_timings: bool,
+    /// Those of them that were printed already.
+    #[serde(skip)]
+    pub(crate) told: Vec<String>,
 }
 
 /// Writes a path as text; what is not UTF-8 in it is replaced, since a report without it would be worse.
@@ -88,6 +92,23 @@ impl Report {
         if self.no_timings {
             (self.timings, self.points_per_second) = (Timings::default(), None);
         }
+    }
+
+    /// Adds a warning that whoever waits for the result wants to see before: it is printed now, and not once more at the end.
+    pub(crate) fn warn_now(&mut self, warning: Option<String>, quiet: bool) {
+        let Some(warning) = warning else { return };
+        if quiet {
+            self.warnings.push(warning);
+            return;
+        }
+        let _ = writeln!(std::io::stderr(), "warning: {warning}");
+        self.told.push(warning.clone());
+        self.warnings.push(warning);
+    }
+
+    /// Warnings that were not printed yet.
+    pub(crate) fn untold(&self) -> Vec<String> {
+        self.warnings.iter().filter(|warning| !self.told.contains(warning)).cloned().collect()
     }
 
     /// Adds a file that was read.
@@ -126,6 +147,7 @@ impl Report {
             results: None,
             warnings: self.warnings.clone(),
             no_timings: self.no_timings,
+            told: Vec::new(),
         }
     }
 }
@@ -220,6 +242,9 @@ pub(crate) struct ModelSummary {
     /// Unit of length that a CAD file states.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) unit: Option<String>,
+    /// Unit in which the points are taken beside a CAD model: their files state none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) points_unit: Option<String>,
     /// Dimension of the space it lies in.
     pub(crate) dimension: usize,
     /// Number of curves, surfaces and faces (1 for a mesh).
@@ -340,6 +365,12 @@ pub(crate) struct ProjectionResults {
     pub(crate) worst: Option<Worst>,
     /// Largest certified gap between a distance and its lower bound; `null` in uncertified modes.
     pub(crate) largest_gap: Option<f64>,
+    /// Points whose gap is more than 1e-7 of the diagonal of a CAD model: their feet are next to edges that lie beside their faces.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) wide_gaps: Option<usize>,
+    /// Points of which it is not known on which side of a CAD model they lie; their distances have no sign.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) undecided_sides: Option<usize>,
     /// Curves and surfaces that are nearest to at least one point.
     pub(crate) shapes: Vec<ShapeResults>,
 }

@@ -34,7 +34,7 @@ pub(crate) fn run(cli: &Cli) -> ExitCode {
     let _ended = interrupt::too_late();
     let is_taken = cli.command.files().1.iter().any(|path| files::is_stream(path));
     if let Ok(outcome) = &ended
-        && let Err(error) = tell(common, is_taken, outcome, &report.warnings)
+        && let Err(error) = tell(common, is_taken, outcome, &report.untold())
     {
         ended = Err(error);
     }

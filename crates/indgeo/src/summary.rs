@@ -8,16 +8,19 @@ use crate::fitting_surface::SurfaceResults;
 use crate::on_surface;
 use crate::parameterizing::ParameterResults;
 use crate::registration_report::RegistrationResults;
-use crate::report::{ProjectionResults, Report, Results};
+use crate::report::{ModelSummary, ProjectionResults, Report, Results};
 use crate::segmenting;
 use crate::views_report::ViewsResults;
 use crate::wording::counted;
 use industrial_geometry::fit::curve::CurveReport;
 use industrial_geometry::fit::{CurveCoverage, Folds, SurfaceCoverage};
 use industrial_geometry::inspection::{
-    Inspection, Outcome, Rounding, Tolerance, percent, percent_in_full, percent_of_share,
+    Inspection, Outcome, PartDeviations, Rounding, Tolerance, percent, percent_in_full, percent_of_share,
 };
 use std::fmt::Write;
+
+/// Parts that are listed at most.
+const PARTS: usize = 20;
 
 /// A few lines about a projection or an inspection; empty for other commands.
 pub(crate) fn of(report: &Report) -> String {
@@ -73,7 +76,11 @@ fn write_projection(text: &mut String, report: &Report, results: &ProjectionResu
         writeln!(text, "  worst     {} at point {} (from 0){name}", plain(worst.distance), worst.index)?;
     }
     if let Some(gap) = results.largest_gap {
-        writeln!(text, "  certified no point of the model is nearer by more than {gap:.1e}")?;
+        let wide = results.wide_gaps.map_or_else(String::new, |wide| {
+            let share = percent(wide as u64, results.points as u64, Rounding::Up);
+            format!("; by more than 1e-7 of its diagonal at {wide} points ({share})")
+        });
+        writeln!(text, "  certified no point of the model is nearer by more than {gap:.1e}{wide}")?;
     } else if report.model.as_ref().is_some_and(|model| model.kind != "mesh") {
         let mode = report.options.as_ref().map_or("", |options| options.mode);
         let what = match mode {
@@ -133,7 +140,36 @@ fn write_inspection(text: &mut String, report: &Report, found: &Inspection) -> s
         let name = quoted(worst.name.as_deref());
         writeln!(text, "  worst     {} at point {} (from 0){name}", plain(worst.distance), worst.index)?;
     }
+    write_parts(text, found)?;
     write_end(text, report)
+}
+
+/// One line for each part of a CAD model that has several; of many parts those that are worst.
+fn write_parts(text: &mut String, found: &Inspection) -> std::fmt::Result {
+    let mut parts: Vec<_> = found.parts.iter().collect();
+    if parts.len() < 2 {
+        return Ok(());
+    }
+    let out = |part: &PartDeviations| part.deviations.over + part.deviations.under;
+    parts.sort_by(|a, b| out(b).cmp(&out(a)).then(a.index.cmp(&b.index)));
+    for part in parts.iter().take(PARTS) {
+        let Some(distance) = &part.deviations.distance else { continue };
+        let size = distance.max.abs().max(distance.min.abs());
+        writeln!(
+            text,
+            "  part      {} \"{}\": {}, rms {}, max {}, {} out",
+            part.index,
+            part.name,
+            counted(part.deviations.count, "point"),
+            plain(distance.rms),
+            plain(size),
+            percent(out(part), part.deviations.count, Rounding::Up)
+        )?;
+    }
+    match parts.len().saturating_sub(PARTS) {
+        0 => Ok(()),
+        more => writeln!(text, "  parts     {more} more, with fewer points out of tolerance"),
+    }
 }
 
 fn write_registration(text: &mut String, report: &Report, found: &RegistrationResults) -> std::fmt::Result {
@@ -434,6 +470,9 @@ fn write_folds(text: &mut String, folds: &Folds) -> std::fmt::Result {
 }
 
 pub(crate) fn write_end(text: &mut String, report: &Report) -> std::fmt::Result {
+    if let Some(ModelSummary { unit: Some(unit), points_unit: Some(of_points), .. }) = &report.model {
+        writeln!(text, "  units     model {unit}; points {of_points}")?;
+    }
     let timings = &report.timings;
     if !report.no_timings {
         writeln!(

@@ -40,6 +40,10 @@ pub(crate) struct Foot {
     pub(crate) location: &'static str,
     /// Whether others are as near.
     pub(crate) multiplicity: Multiplicity,
+    /// Number in the file of the face or edge of a CAD model that holds the foot.
+    pub(crate) entity: u32,
+    /// Side of a CAD model: `outside`, `inside` or `undecided`; `none` on others.
+    pub(crate) side: &'static str,
 }
 
 impl Foot {
@@ -55,6 +59,8 @@ impl Foot {
             status,
             location: "none",
             multiplicity: Multiplicity::Unknown,
+            entity: u32::MAX,
+            side: "none",
         }
     }
 
@@ -269,6 +275,8 @@ fn surface_foot(foot: &SurfaceFootpoint, indices: &[u32]) -> Foot {
         status: foot.status,
         location: place(foot.location),
         multiplicity: foot.multiplicity,
+        entity: u32::MAX,
+        side: "none",
     }
 }
 
@@ -290,6 +298,8 @@ fn curve_foot<const D: usize>(foot: &CurveFootpoint<D>, shape: u32) -> Foot {
         status: foot.status,
         location: place(foot.location),
         multiplicity: foot.multiplicity,
+        entity: u32::MAX,
+        side: "none",
     }
 }
 
@@ -356,6 +366,14 @@ fn cad_foot(cad: &CadModel, found: Option<brep::Foot>, slack: f64) -> Foot {
         status,
         location: cad::location(&foot),
         multiplicity: Multiplicity::Unknown,
+        entity: cad.entity(&foot).and_then(|number| u32::try_from(number).ok()).unwrap_or(u32::MAX),
+        side: match foot.side {
+            brep::Side::Positive => "outside",
+            brep::Side::Negative => "inside",
+            // On the surface itself there is nothing to decide.
+            brep::Side::Undecided if foot.distance == 0.0 => "none",
+            brep::Side::Undecided => "undecided",
+        },
     }
 }
 
@@ -379,6 +397,8 @@ fn of_mesh<E>(found: Result<MeshFootpoint, E>, x: &Point3<f64>) -> Foot {
                 Feature::Vertex(_) => "vertex",
             },
             multiplicity: Multiplicity::Unknown,
+            entity: u32::MAX,
+            side: "none",
         },
         // The only other reason is a distance beyond the range of doubles.
         Err(_) if x.coords.iter().all(|value| value.is_finite()) => Foot::none(Status::Diverged),

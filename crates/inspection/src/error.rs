@@ -59,9 +59,6 @@ pub enum Error {
     /// Distances from curves are to be measured along given lines, which do not meet a curve in space.
     #[error("deviations from curves are measured along the shortest lines only")]
     AlongCurves,
-    /// Distances from trimmed faces are to be measured along given lines.
-    #[error("deviations from CAD models are measured along the shortest lines only")]
-    AlongFaces,
     /// The nominal shape is empty.
     #[error("there is no surface or curve to measure from")]
     EmptyModel,

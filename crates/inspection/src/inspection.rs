@@ -42,6 +42,19 @@ pub struct ShapeDeviations {
     pub deviations: Deviations,
 }
 
+/// Deviations of the points that belong to the faces of one part of a CAD model.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct PartDeviations {
+    /// Index of the instance of the part.
+    pub index: u32,
+    /// Name of the instance, or of the part; may be empty.
+    pub name: String,
+    /// How its points deviate.
+    #[cfg_attr(feature = "serde", serde(flatten))]
+    pub deviations: Deviations,
+}
+
 /// What an inspection found.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
@@ -58,6 +71,9 @@ pub struct Inspection {
     pub total: Deviations,
     /// The surfaces that at least one measured point belongs to.
     pub shapes: Vec<ShapeDeviations>,
+    /// The parts of a CAD model that at least one measured point belongs to; empty for other models.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Vec::is_empty"))]
+    pub parts: Vec<PartDeviations>,
     /// The points with the largest absolute deviations, the largest first.
     pub worst: Vec<WorstPoint>,
     /// Number of measured points to which a point of the shape that does not count, because its normal does not agree, is nearer.

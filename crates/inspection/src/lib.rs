@@ -55,7 +55,7 @@ pub use error::Error;
 pub use exact_sum::ExactSum;
 pub use footpoint::{Progress, no_progress};
 pub use histogram::Histogram;
-pub use inspection::{Inspection, ShapeDeviations, Verdict};
+pub use inspection::{Inspection, PartDeviations, ShapeDeviations, Verdict};
 pub use nominal::{Nominal, ShapeInfo};
 pub use options::{Along, InspectionOptions};
 pub use partial::Partial;

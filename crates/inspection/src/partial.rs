@@ -1,6 +1,6 @@
 //! Results of a part of a cloud, which can be stored, sent and merged.
 
-use crate::inspection::{Inspection, ShapeDeviations, Verdict};
+use crate::inspection::{Inspection, PartDeviations, ShapeDeviations, Verdict};
 use crate::tally::Tally;
 use crate::worst::WorstPoints;
 use crate::{Deviation, Error, InspectionOptions, Outcome, ShapeInfo};
@@ -178,9 +178,19 @@ impl Partial {
             return Err(Error::DifferentOptions);
         }
         let mut total = Tally::new(options.exact_limit);
-        for tally in self.shapes.values() {
+        let mut parts: BTreeMap<&(u32, String), Tally> = BTreeMap::new();
+        for (shape, tally) in &self.shapes {
             total.merge(tally)?;
+            if let Some(part) = shapes.get(*shape as usize).and_then(|shape| shape.part.as_ref()) {
+                parts.entry(part).or_insert_with(|| Tally::new(options.exact_limit)).merge(tally)?;
+            }
         }
+        let parts = parts.into_iter().map(|((index, name), tally)| PartDeviations {
+            index: *index,
+            name: name.clone(),
+            deviations: tally.deviations(&options.tolerance),
+        });
+        let parts = parts.collect();
         let total = total.deviations(&options.tolerance);
         let count = |outcome| self.count(outcome);
         let per_shape = self.shapes.iter().map(|(&index, tally)| ShapeDeviations {
@@ -198,6 +208,7 @@ impl Partial {
             outcomes: Outcome::ALL.iter().map(|outcome| (outcome.name(), count(*outcome))).collect(),
             total,
             shapes: per_shape.collect(),
+            parts,
             worst: self.worst.list(),
             restricted: self.restricted,
             largest_gap: f64::from_bits(self.largest_gap),

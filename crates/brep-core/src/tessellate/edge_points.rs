@@ -13,6 +13,10 @@ const MAX_DEPTH: u32 = 14;
 const SHARE: f64 = 0.5;
 /// Smallest share of an edge by which two of its points differ.
 const APART: f64 = 1e-9;
+/// Share of the size of an edge below which its bend does not matter.
+const SMALL: f64 = 1e-7;
+/// How many times farther from a vertex the points of an edge are than it is known where the edge ends.
+const CLEAR: f64 = 4.0;
 
 /// A point on an edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,12 +31,14 @@ pub(super) struct EdgePoint {
 pub(super) struct EdgePoints {
     points: Vec<Vector3<f64>>,
     on: Vec<Vec<EdgePoint>>,
+    /// For each edge the length up to which it misses its surfaces and its vertices.
+    loose: Vec<f64>,
 }
 
 impl EdgePoints {
     /// Divides the edges so that their chords are within a share of the tolerance.
     pub(super) fn new(part: &Part, chord: f64) -> Self {
-        let mut this = Self { points: part.vertices.clone(), on: Vec::new() };
+        let mut this = Self { points: part.vertices.clone(), on: Vec::new(), loose: Vec::new() };
         let mut placed = vec![false; part.vertices.len()];
         for edge in &part.edges {
             let ts = divided(edge, SHARE * chord);
@@ -54,7 +60,55 @@ impl EdgePoints {
             }
             this.on.push(on);
         }
+        this.clear_vertices(part);
         this
+    }
+
+    /// Leaves out points that are as near to the vertex at an end of their edge as the edge misses it: the chord between them would
+    /// lead back.
+    fn clear_vertices(&mut self, part: &Part) {
+        for (edge, on) in part.edges.iter().zip(&mut self.on) {
+            let (Some(first), Some(last)) = (on.first().copied(), on.last().copied()) else {
+                self.loose.push(edge.tolerance);
+                continue;
+            };
+            let ends = [first, last].map(|end| self.points[end.id]);
+            let miss = |k: usize| (edge.curve.point(edge.range[k]) - ends[k]).norm();
+            let loose = edge.tolerance.max(miss(0)).max(miss(1));
+            self.loose.push(loose);
+            let is_clear = |p: &EdgePoint| {
+                let point = self.points[p.id];
+                ends.iter().all(|end| (point - end).norm() > CLEAR * loose)
+            };
+            let kept = on.iter().filter(|p| is_clear(p)).count();
+            // A closed edge needs points of its own.
+            if first.id != last.id || kept >= 2 {
+                on.retain(|p| p.t == first.t || p.t == last.t || is_clear(p));
+            }
+        }
+    }
+
+    /// Distance up to which places that belong together may be apart.
+    pub(super) fn slack(&self) -> f64 {
+        CLEAR * self.loose.iter().copied().fold(0.0, f64::max)
+    }
+
+    /// Adds a point to an edge, unless its chord is as near to it as it is known, or a vertex is; whether it was added.
+    pub(super) fn divide(&mut self, edges: &[Edge], edge: usize, t: f64) -> bool {
+        let before = self.on[edge].len();
+        let point = edges[edge].curve.point(t);
+        let least = CLEAR * self.loose[edge].max(SMALL * edges[edge].bounds.diagonal());
+        let place = self.on[edge].partition_point(|p| p.t < t);
+        let around =
+            [place.saturating_sub(1), place.min(before - 1)].map(|k| self.points[self.on[edge][k].id]);
+        let along = (around[1] - around[0]).try_normalize(0.0).unwrap_or_else(Vector3::zeros);
+        let off = point - around[0];
+        let is_bent = (off - along * off.dot(&along)).norm() > least;
+        let ends = [0, before - 1].map(|k| self.points[self.on[edge][k].id]);
+        if is_bent && ends.iter().all(|end| (point - end).norm() > least) {
+            self.add(edges, edge, t);
+        }
+        self.on[edge].len() > before
     }
 
     fn push(&mut self, point: Vector3<f64>) -> usize {

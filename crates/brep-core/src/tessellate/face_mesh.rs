@@ -1,7 +1,7 @@
 //! The triangles of one face.
 
 use super::edge_points::EdgePoints;
-use super::outline::{Cuts, loops, pieces};
+use super::outline::{Cuts, cross, loops, middle, pieces};
 use super::regions::{Corner, Regions};
 use crate::Error;
 use crate::boundary::{Inside, flip};
@@ -40,6 +40,8 @@ pub(super) struct FaceMesh {
     pub(super) own: Vec<Vector3<f64>>,
     pub(super) shared: usize,
     pub(super) deviation: f64,
+    /// Edges whose chords are too coarse for the shape of the face, and parameters at which they are to be divided.
+    pub(super) crossed: Vec<(usize, f64)>,
 }
 
 /// Triangles of a face, and where they are too far from it.
@@ -97,7 +99,7 @@ pub(super) fn mesh(
         low,
         high,
         step,
-        slack: part.edges.iter().fold(MEET * part.size, |most, edge| most.max(4.0 * edge.tolerance)),
+        slack: points.slack().max(MEET * part.size),
         regions: Regions::new(),
         places: Vec::new(),
         known: BTreeMap::new(),
@@ -111,13 +113,36 @@ pub(super) fn mesh(
     }
     work.frame(&mut lines);
     let handles: Vec<_> = work.places.clone().iter().enumerate().map(|(k, _)| work.insert(k)).collect();
-    for [a, b] in lines {
-        if let (Some(a), Some(b)) = (handles[a], handles[b]) {
-            work.regions.constrain(a, b);
+    let mut crossed = Vec::new();
+    let mut doubtful = vec![false; work.places.len()];
+    for (k, &[a, b]) in lines.iter().enumerate() {
+        if let (Some(from), Some(to)) = (handles[a], handles[b])
+            && work.regions.constrain(from, to)
+            && let Some(piece) = pieces.get(k)
+        {
+            let others = pieces.iter().filter(|other| cross(piece, other));
+            crossed.extend(others.chain([piece]).filter_map(|piece| middle(part, face, piece)));
         }
     }
-    work.fill();
-    Ok(work.refine(chord))
+    let kept = work.kept();
+    // The face lies on one side of its boundary. Where it does not in the plane, chords cut across it.
+    for (piece, &[a, b]) in pieces.iter().zip(&lines) {
+        let is_seam = middle(part, face, piece)
+            .is_none_or(|(edge, _)| face.boundary.uses.iter().any(|used| used.edge == edge && used.seam));
+        if let (false, Some(from), Some(to)) = (is_seam, handles[a], handles[b])
+            && let Some([left, right]) = work.regions.sides(from, to, &kept)
+            && left == right
+        {
+            (doubtful[a], doubtful[b]) = (true, true);
+        }
+    }
+    for (piece, [a, b]) in pieces.iter().zip(lines) {
+        if doubtful[a] || doubtful[b] {
+            crossed.extend(middle(part, face, piece));
+        }
+    }
+    work.fill(&kept);
+    Ok(FaceMesh { crossed, ..work.refine(chord) })
 }
 
 /// The box of the plane that holds a face: a period where it is cut.
@@ -329,16 +354,20 @@ impl Work<'_> {
         lines.extend(places.windows(2).map(|pair| [pair[0], pair[1]]));
     }
 
+    /// Which triangles belong to the face.
+    fn kept(&self) -> Vec<bool> {
+        self.regions.inside(|at| self.is_inside(&self.unscaled(at)))
+    }
+
     /// Places at all steps inside of the face.
-    fn fill(&mut self) {
-        let kept = self.regions.inside(|at| self.is_inside(&self.unscaled(at)));
+    fn fill(&mut self, kept: &[bool]) {
         let counts = [0, 1].map(|i| ((self.high[i] - self.low[i]) / self.step[i]).round().max(1.0));
         let mut found = Vec::new();
         let mut i = 1.0;
         while i < counts[0] {
             let mut j = 1.0;
             while j < counts[1] && found.len() < MOST {
-                if self.regions.takes([i, j], &kept, APART) {
+                if self.regions.takes([i, j], kept, APART) {
                     found.push([i, j]);
                 }
                 j += 1.0;
@@ -376,7 +405,7 @@ impl Work<'_> {
 
     /// The triangles of the face, how far they are from it, and where places would bring them nearer.
     fn examine(&self, chord: f64) -> Examined {
-        let kept = self.regions.inside(|at| self.is_inside(&self.unscaled(at)));
+        let kept = self.kept();
         let mut out =
             Examined { triangles: self.regions.triangles(&kept), deviation: 0.0, wanted: BTreeMap::new() };
         for (corners, free) in &out.triangles {
@@ -424,8 +453,14 @@ impl Work<'_> {
 
     fn finish(mut self, triangles: &[([Corner; 3], [bool; 3])], deviation: f64) -> FaceMesh {
         let shared = self.points.count();
-        let mut out =
-            FaceMesh { triangles: Vec::new(), normals: Vec::new(), own: Vec::new(), shared, deviation };
+        let mut out = FaceMesh {
+            triangles: Vec::new(),
+            normals: Vec::new(),
+            own: Vec::new(),
+            shared,
+            deviation,
+            crossed: Vec::new(),
+        };
         let reverse = self.face.boundary.swap == self.face.same_sense;
         let mut crossings: BTreeMap<[u64; 2], usize> = BTreeMap::new();
         for (corners, _) in triangles {

@@ -18,6 +18,9 @@ use edge_points::EdgePoints;
 use face_mesh::FaceMesh;
 use nalgebra::Vector3;
 
+/// Rounds at most in which edges are divided where their chords cross.
+const ROUNDS: usize = 12;
+
 /// Triangles near the faces of a model, in the coordinates of the model.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tessellation {
@@ -134,12 +137,34 @@ impl PartMesh {
         for (face, cuts) in part.faces.iter().zip(&cuts) {
             outline::divide(part, face, cuts, &mut points);
         }
-        let numbered: Vec<usize> = (0..part.faces.len()).collect();
-        let found =
-            parallel::map(&numbered, |&face| face_mesh::mesh(part, face, &cuts[face], &points, chord));
+        let mut open: Vec<usize> = (0..part.faces.len()).collect();
+        let mut found: Vec<Option<FaceMesh>> = open.iter().map(|_| None).collect();
+        for round in 0..=ROUNDS {
+            let meshes =
+                parallel::map(&open, |&face| face_mesh::mesh(part, face, &cuts[face], &points, chord));
+            let mut crossed = Vec::new();
+            for (face, mesh) in open.iter().zip(meshes) {
+                let mesh = mesh?;
+                crossed.extend_from_slice(&mesh.crossed);
+                found[*face] = Some(mesh);
+            }
+            // Where chords of edges cross, though the edges do not, both of their faces get more points on them.
+            let mut touched = vec![false; part.faces.len()];
+            if round < ROUNDS {
+                for (edge, t) in crossed {
+                    if points.divide(&part.edges, edge, t) {
+                        part.edges[edge].faces().for_each(|face| touched[face] = true);
+                    }
+                }
+            }
+            open = (0..part.faces.len()).filter(|face| touched[*face]).collect();
+            if open.is_empty() {
+                break;
+            }
+        }
         let lines = (0..part.edges.len()).map(|edge| points.line(edge)).collect();
         let mut this = Self { points: points.into_points(), faces: Vec::new(), lines };
-        for mut mesh in found.into_iter().collect::<Result<Vec<_>, Error>>()? {
+        for mut mesh in found.into_iter().flatten() {
             // The vertices inside of a face come after those of the edges.
             let first = this.points.len();
             let shared = mesh.shared;

@@ -4,6 +4,7 @@ use super::edge_points::EdgePoints;
 use crate::face::Face;
 use crate::part::Part;
 use nalgebra::Vector2;
+use robust::{Coord, orient2d};
 
 /// Share of a period within which a place counts as one on a cut.
 const ON_CUT: f64 = 1e-9;
@@ -174,6 +175,25 @@ pub(super) fn loops(part: &Part, face: &Face, points: &EdgePoints) -> Vec<Vec<Pl
         places.push(Place { at: first.at + shift, on: None, ..first });
     }
     out
+}
+
+/// The edge of a piece and the parameter in its middle; `None` for pieces that lie on no edge.
+pub(super) fn middle(part: &Part, face: &Face, piece: &[Place; 2]) -> Option<(usize, f64)> {
+    let (from, used) = piece[0].on?;
+    let used_there = &face.boundary.uses[used];
+    let end = part.edges[used_there.edge].range[usize::from(used_there.forward)];
+    let to = piece[1].on.filter(|(_, other)| *other == used).map_or(end, |(t, _)| t);
+    Some((used_there.edge, 0.5 * (from + to)))
+}
+
+/// Whether two pieces cross at a place that is an end of neither.
+pub(super) fn cross(a: &[Place; 2], b: &[Place; 2]) -> bool {
+    let coord = |p: &Place| Coord { x: p.at.x, y: p.at.y };
+    let sides = |line: &[Place; 2], of: &[Place; 2]| {
+        of.map(|p| orient2d(coord(&line[0]), coord(&line[1]), coord(&p)))
+    };
+    let apart = |s: [f64; 2]| s[0] * s[1] < 0.0;
+    apart(sides(a, b)) && apart(sides(b, a))
 }
 
 /// The pieces of the loops within one period: pairs of places. Those on a cut lie exactly on it.

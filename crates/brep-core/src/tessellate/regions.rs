@@ -47,17 +47,19 @@ impl Regions {
         found.ok()
     }
 
-    /// Keeps what is on both sides of a line apart.
-    pub(super) fn constrain(&mut self, from: FixedVertexHandle, to: FixedVertexHandle) {
+    /// Keeps what is on both sides of a line apart; whether another such line crosses it.
+    pub(super) fn constrain(&mut self, from: FixedVertexHandle, to: FixedVertexHandle) -> bool {
         if from == to {
-            return;
+            return false;
         }
-        if self.net.can_add_constraint(from, to) {
+        let is_free = self.net.can_add_constraint(from, to);
+        if is_free {
             self.net.add_constraint(from, to);
         } else {
             // Chords of edges that touch may cross.
             self.net.add_constraint_and_split(from, to, |at| Corner { at: [at.x, at.y], place: None });
         }
+        !is_free
     }
 
     /// Which triangles lie in regions that `is_inside` says are inside, by index; `None` where it cannot tell.
@@ -97,6 +99,17 @@ impl Regions {
             }
         }
         kept
+    }
+
+    /// Whether there is a triangle that is kept on each side of a line; `None` where the line was divided.
+    pub(super) fn sides(
+        &self,
+        from: FixedVertexHandle,
+        to: FixedVertexHandle,
+        kept: &[bool],
+    ) -> Option<[bool; 2]> {
+        let edge = self.net.get_edge_from_neighbors(from, to)?;
+        Some([edge, edge.rev()].map(|e| e.face().as_inner().is_some_and(|face| kept[face.fix().index()])))
     }
 
     /// Whether a place is inside one of the triangles that are kept, at least `apart` from all vertices.

@@ -224,6 +224,7 @@ impl<'f> Reading<'f> {
                 placement: Placement { scale: 1.0 / global.scale, ..Placement::IDENTITY },
             }],
             unread: self.unread,
+            ..ModelDescription::default()
         })
     }
 }

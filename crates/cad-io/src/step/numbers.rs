@@ -38,6 +38,11 @@ impl EntityNumbers {
         self.kept.get(kind).and_then(|numbers| numbers.get(index as usize)).copied().unwrap_or(0)
     }
 
+    /// All numbers that the file defines.
+    pub(super) fn defined(&self) -> HashSet<u64> {
+        self.kept.values().flatten().chain(self.dropped.keys()).copied().collect()
+    }
+
     /// Type of a dropped entity. Complex entities are called `complex entity`.
     pub(super) fn dropped_kind(&self, number: u64) -> &str {
         match self.dropped.get(&number).map(String::as_str) {

@@ -3,8 +3,8 @@
 use super::keys::place;
 use super::numbers::EntityNumbers;
 use brep_core::description::{
-    EdgeDescription, EdgeUse, FaceDescription, FreeCurve, LoopDescription, PartDescription, ShellDescription,
-    Unread, VertexDescription,
+    Converted, EdgeDescription, EdgeUse, FaceDescription, FreeCurve, LoopDescription, PartDescription,
+    ShellDescription, Unread, VertexDescription,
 };
 use nalgebra::Vector3;
 use nurbs_core::ParametricCurve;
@@ -26,6 +26,8 @@ pub(super) struct Reader<'m> {
     pub(super) numbers: &'m EntityNumbers,
     /// What is left out.
     pub(super) unread: RefCell<Vec<Unread>>,
+    /// Faces on swept and offset surfaces.
+    pub(super) converted: RefCell<Vec<Converted>>,
 }
 
 /// A part that is being built, with the places of its edges and vertices.
@@ -125,9 +127,17 @@ impl<'m> Reader<'m> {
             }
             loops.push(LoopDescription::Edges(self.edge_loop(builder, &bound, shell)?));
         }
+        let source = self.number(face.key());
+        let converted = match surface.kind() {
+            SurfaceKind::LinearExtrusion(_) => Some("extrusion"),
+            SurfaceKind::Revolution(_) => Some("revolution"),
+            SurfaceKind::Offset(_) => Some("offset"),
+            _ => None,
+        };
+        self.converted.borrow_mut().extend(converted.map(|kind| Converted { face: source, kind }));
         Ok(FaceDescription {
             name: face.name().to_owned(),
-            source: self.number(face.key()),
+            source,
             carrier,
             same_sense: (face.orientation() == Orientation::Forward) == (shell == Orientation::Forward),
             loops,

@@ -1,5 +1,6 @@
 //! Surfaces of STEP as carriers.
 
+use super::offset::offset;
 use super::reader::Reader;
 use brep_core::description::Carrier;
 use nalgebra::Vector3;
@@ -55,6 +56,9 @@ impl Reader<'_> {
         match self.analytic(&face.surface(), 0.0)? {
             Some(carrier) => Ok(carrier),
             None => {
+                if let Some(offset) = self.free_form_offset(face)? {
+                    return Ok(Carrier::Nurbs(Arc::new(offset)));
+                }
                 let rational = self.is_rational(face.surface().key());
                 let nurbs = face.to_nurbs().ok_or_else(|| {
                     "it has no exact form as a B-spline, or its numbers do not fit together".to_owned()
@@ -62,6 +66,18 @@ impl Reader<'_> {
                 nurbs_surface(nurbs, rational).map(|s| Carrier::Nurbs(Arc::new(s)))
             }
         }
+    }
+
+    /// The offset of a surface that has no exact form; `None` for other surfaces.
+    fn free_form_offset(&self, face: &Face<'_>) -> Result<Option<BsplineSurface>, String> {
+        let surface = face.surface();
+        let SurfaceKind::Offset(own) = surface.kind() else { return Ok(None) };
+        let Some(basis) = surface.basis_surface().filter(|_| surface.to_nurbs().is_none()) else {
+            return Ok(None);
+        };
+        let Some(nurbs) = basis.to_nurbs() else { return Ok(None) };
+        let basis = nurbs_surface(nurbs, self.is_rational(basis.key()))?;
+        offset(&basis, own.distance).map(Some)
     }
 
     /// An elementary surface, moved by `offset` along its normal; `None` for other kinds.

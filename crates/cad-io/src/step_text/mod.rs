@@ -4,6 +4,7 @@ mod curves;
 mod faces;
 mod instances;
 mod product;
+mod solids;
 
 use crate::Error;
 use crate::write::flat::{placed, unwritable};
@@ -15,7 +16,8 @@ use instances::{Instances, Reference, list};
 ///
 /// Faces become advanced faces with their names, on elementary surfaces where the carrier is one; edges and vertices are shared
 /// as in the description. A face without loops gets those that its surface has by itself: its sides, with seams where it
-/// is closed. A single closed shell becomes a solid, other shells surface models, free curves a geometric set. Instances are
+/// is closed. Closed shells become solids, those inside of others whose normals point into them voids; other shells become surface
+/// models, free curves a geometric set. Instances are
 /// put in their places in one product. Numbers keep every bit; B-splines that are not clamped are clamped first. A file
 /// without a unit is in millimetres. The same model always gives the same bytes, so the file bears no time.
 ///
@@ -60,7 +62,7 @@ fn write_part(
     let mut faces = Faces::new(part);
     let mut in_shell = vec![false; part.faces.len()];
     let (mut open, mut closed) = (Vec::new(), Vec::new());
-    for shell in &part.shells {
+    for (place, shell) in part.shells.iter().enumerate() {
         let mut members = Vec::with_capacity(shell.faces.len());
         for &index in &shell.faces {
             let Some(face) = part.faces.get(index) else {
@@ -74,7 +76,7 @@ fn write_part(
             let kind = if shell.closed { "CLOSED_SHELL" } else { "OPEN_SHELL" };
             let shell_item =
                 out.add(&format!("{kind}({},{})", instances::string(&shell.name), list(&members)));
-            if shell.closed { closed.push((shell_item, &shell.name)) } else { open.push(shell_item) }
+            if shell.closed { closed.push((place, shell_item)) } else { open.push(shell_item) }
         }
     }
     // Faces that the shells forget.
@@ -86,13 +88,27 @@ fn write_part(
         open.push(out.add(&format!("OPEN_SHELL('',{})", list(&rest))));
     }
     let name = if is_single || part.name.is_empty() { product } else { &part.name };
-    match closed[..] {
-        // Which of several closed shells are voids of which is not told, so that only one makes a solid.
-        [(shell, shell_name)] => {
-            let name = if shell_name.is_empty() { name } else { shell_name };
-            items.solids.push(out.add(&format!("MANIFOLD_SOLID_BREP({},{shell})", instances::string(name))));
+    match solids::of(part) {
+        Some(solids) => {
+            let written =
+                |shell: usize| closed.iter().find(|(place, _)| *place == shell).map(|(_, item)| *item);
+            for solid in solids {
+                let Some(outer) = written(solid.outer) else { continue };
+                let own = &part.shells[solid.outer].name;
+                let name = instances::string(if own.is_empty() { name } else { own });
+                let mut voids = Vec::with_capacity(solid.voids.len());
+                for shell in solid.voids.into_iter().filter_map(written) {
+                    voids.push(out.add(&format!("ORIENTED_CLOSED_SHELL('',*,{shell},.T.)")));
+                }
+                items.solids.push(out.add(&if voids.is_empty() {
+                    format!("MANIFOLD_SOLID_BREP({name},{outer})")
+                } else {
+                    format!("BREP_WITH_VOIDS({name},{outer},{})", list(&voids))
+                }));
+            }
         }
-        _ => open.extend(closed.iter().map(|(shell, _)| *shell)),
+        // Where it is not known what they bound, they are surfaces.
+        None => open.extend(closed.iter().map(|(_, shell)| *shell)),
     }
     if !open.is_empty() {
         let model = format!("SHELL_BASED_SURFACE_MODEL({},{})", instances::string(name), list(&open));

@@ -2,6 +2,8 @@
 
 use crate::iges_builder::everything;
 use crate::iges_files::fixture;
+use brep_core::Model;
+use nalgebra::Vector3;
 use std::time::{Duration, Instant};
 
 /// Longest time for one file.
@@ -70,6 +72,17 @@ fn run(data: &[u8], seeds: std::ops::Range<u64>) -> [usize; 2] {
         let read = || {
             let clock = Instant::now();
             let found = cad_io::read_iges(&data);
+            // What was read becomes a model that answers, or is refused.
+            if let Ok(built) = found.as_ref().map_err(drop).and_then(|found| Model::new(found).map_err(drop))
+            {
+                let _ = built.nearest(&Vector3::new(1.0, 2.0, 3.0));
+                let _ = built.nearest_on_line(
+                    &Vector3::new(1.0, 2.0, 3.0),
+                    &Vector3::new(0.3, 0.5, 1.0),
+                    1e3,
+                    None,
+                );
+            }
             (found, clock.elapsed())
         };
         let (found, mut time) = read();

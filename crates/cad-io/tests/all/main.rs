@@ -9,10 +9,15 @@ mod iges_files;
 mod iges_models;
 mod iges_mutation;
 mod iges_write;
+mod lines;
 #[cfg(feature = "step")]
 mod step;
 #[cfg(feature = "step")]
 mod step_damage;
+#[cfg(feature = "step")]
+mod step_numbers;
+#[cfg(feature = "step")]
+mod step_pmi;
 #[cfg(feature = "step")]
 mod step_write;
 mod tessellation;

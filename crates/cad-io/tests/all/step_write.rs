@@ -4,8 +4,8 @@ use crate::iges_builder::everything;
 use crate::iges_entities::check_loops;
 use crate::iges_files::fixture;
 use brep_core::description::{
-    Carrier, EdgeCurve, EdgeDescription, EdgeUse, LengthUnit, LoopDescription, ModelDescription,
-    PartDescription, VertexDescription,
+    Carrier, EdgeCurve, EdgeDescription, EdgeUse, FaceDescription, InstanceDescription, LengthUnit,
+    LoopDescription, ModelDescription, PartDescription, Placement, ShellDescription, VertexDescription,
 };
 use cad_io::ModelBuilder;
 use nalgebra::Vector3;
@@ -289,5 +289,83 @@ fn iges_becomes_step() {
         assert!(ours.iter().all(|surface| theirs.contains(surface)));
         assert_eq!(a.curves.len(), second.parts.iter().map(|part| part.curves.len()).sum::<usize>());
         assert_eq!(first.unit.as_ref().unwrap().metres, second.unit.as_ref().unwrap().metres);
+    }
+}
+
+/// A part of whole spheres: radius, centre, and whether the normal points outwards.
+fn balls(spheres: &[(f64, f64, bool)]) -> ModelDescription {
+    let mut part = PartDescription { name: "balls".to_owned(), ..PartDescription::default() };
+    for (k, (radius, x, same_sense)) in spheres.iter().enumerate() {
+        let frame = Frame::new(Vector3::new(*x, 0.0, 0.0), Vector3::z(), Vector3::x()).unwrap();
+        part.faces.push(FaceDescription {
+            name: format!("ball {k}"),
+            source: 0,
+            carrier: Carrier::Sphere { frame, radius: *radius },
+            same_sense: *same_sense,
+            loops: Vec::new(),
+        });
+        part.shells.push(ShellDescription { faces: vec![k], closed: true, ..ShellDescription::default() });
+    }
+    let instance = InstanceDescription { part: 0, name: String::new(), placement: Placement::IDENTITY };
+    ModelDescription {
+        unit: Some(LengthUnit::millimetre()),
+        parts: vec![part],
+        instances: vec![instance],
+        ..ModelDescription::default()
+    }
+}
+
+#[test]
+fn closed_shells_become_solids_and_voids() {
+    // Two solids, one of them with a hole inside.
+    let model = balls(&[(2.0, 0.0, true), (1.0, 9.0, true), (0.5, 0.3, false)]);
+    let text = String::from_utf8(cad_io::to_step(&model).unwrap()).unwrap();
+    assert_eq!(text.matches("MANIFOLD_SOLID_BREP").count(), 1, "{text}");
+    assert_eq!(text.matches("BREP_WITH_VOIDS").count(), 1, "{text}");
+    assert!(!text.contains("SHELL_BASED_SURFACE_MODEL"), "{text}");
+    let read = brep_core::Model::new(&round(&model)).unwrap();
+    let side = |x: f64| read.nearest(&Vector3::new(x, 0.0, 0.0)).unwrap().signed_distance().unwrap();
+    assert!((side(0.3) - 0.5).abs() < 1e-12, "in the hole: {}", side(0.3));
+    assert!((side(1.5) + 0.5).abs() < 1e-12, "in the material: {}", side(1.5));
+    assert!((side(9.5) + 0.5).abs() < 1e-12 && (side(4.0) - 2.0).abs() < 1e-12);
+    // A void without anything around it bounds nothing.
+    let text =
+        String::from_utf8(cad_io::to_step(&balls(&[(2.0, 0.0, true), (1.0, 9.0, false)])).unwrap()).unwrap();
+    assert!(text.contains("SHELL_BASED_SURFACE_MODEL") && !text.contains("SOLID_BREP("), "{text}");
+}
+
+#[test]
+fn offsets_of_free_form_surfaces_become_splines() {
+    // Two quarters of cylinders as B-splines; the outer one is then said to be an offset of the inner one.
+    let quarter = |radius: f64| {
+        let piece = Cylinder::new(Frame::WORLD, radius, Interval::new(0.0, 3.0).unwrap()).unwrap();
+        AnalyticSurface::from(piece.with_angles(Interval::new(0.2, 1.7).unwrap()).unwrap())
+            .to_nurbs()
+            .unwrap()
+    };
+    let mut model = ModelBuilder::new("offset", Some(LengthUnit::millimetre()));
+    model.surface("inner", quarter(2.0));
+    model.surface("outer", quarter(2.5));
+    let text = String::from_utf8(cad_io::to_step(&model.finish()).unwrap()).unwrap();
+    let surface_of = |name: &str| {
+        let face =
+            text.split(';').find(|record| record.contains(&format!("ADVANCED_FACE('{name}'"))).unwrap();
+        let words: Vec<&str> = face.split(',').collect();
+        words[words.len() - 2].to_owned()
+    };
+    let (inner, outer) = (surface_of("inner"), surface_of("outer"));
+    let end = text.rfind("ENDSEC").unwrap();
+    let changed = text[..end].replace(&format!(",{outer},"), ",#900000,");
+    let changed = format!("{changed}#900000=OFFSET_SURFACE('',{inner},0.5,.F.);\n{}", &text[end..]);
+    let read = cad_io::read_step(changed.as_bytes()).unwrap();
+    assert!(read.unread.is_empty(), "{:?}", read.unread);
+    assert_eq!(read.converted.iter().map(|c| c.kind).collect::<Vec<_>>(), ["offset"]);
+    let model = brep_core::Model::new(&read).unwrap();
+    assert!(model.unread().is_empty(), "{:?}", model.unread());
+    for k in 0..40 {
+        let angle = 0.25 + 1.4 * f64::from(k) / 39.0;
+        let x = Vector3::new(2.7 * angle.cos(), 2.7 * angle.sin(), 0.3 + 0.06 * f64::from(k));
+        let foot = model.nearest(&x).unwrap();
+        assert!((foot.distance - 0.2).abs() < 1e-7, "{foot:?}");
     }
 }

@@ -78,6 +78,11 @@ fn solids_of_files_are_closed_and_have_the_areas_of_their_faces() {
         let found = check(&model, 1e-4 * size, 0.02);
         assert!(open_sides(&found).is_empty(), "{name}: {:?}", open_sides(&found));
         assert!(volume(&found) > 0.0, "{name}");
+        // Coarse chords may pass beside thin faces, fine ones meet the tolerances of edges: solids stay closed.
+        for chord in [1e-2, 3e-3, 3e-5] {
+            let other = model.tessellate(chord * size).unwrap();
+            assert!(open_sides(&other).is_empty(), "{name} {chord}: {:?}", open_sides(&other));
+        }
         let finer = check(&model, 1e-5 * size, 0.004);
         assert!((volume(&finer) - volume(&found)).abs() < 2e-3 * volume(&finer), "{name}");
     }

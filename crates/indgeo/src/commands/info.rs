@@ -268,6 +268,10 @@ fn write_text(text: &mut String, fact: &Value) -> std::fmt::Result {
     let mut ordered: Vec<_> = fields.iter().filter(|(name, _)| *name != "path").collect();
     ordered.sort_by_key(|(name, _)| place(name));
     for (name, value) in ordered {
+        if name == "tolerances" || name == "part_list" || name == "not_read" {
+            write_list(text, name, value)?;
+            continue;
+        }
         if name != "shapes" && name != "scans" {
             writeln!(text, "  {:<21} {}", name.replace('_', " "), plain(value))?;
             continue;
@@ -286,6 +290,66 @@ fn write_text(text: &mut String, fact: &Value) -> std::fmt::Result {
         }
     }
     Ok(())
+}
+
+/// The entries of a list, one line each; nothing of an empty one but of what was not read.
+fn write_list(text: &mut String, name: &str, list: &Value) -> std::fmt::Result {
+    let entries = list.as_array().map_or(&[][..], Vec::as_slice);
+    if entries.is_empty() {
+        return if name == "not_read" { writeln!(text, "  {:<21} none", "not read") } else { Ok(()) };
+    }
+    let said = |value: &Value| match value {
+        Value::Null => String::new(),
+        other => plain(other),
+    };
+    for entry in entries {
+        let of = |field: &str| said(&entry[field]);
+        let line = match name {
+            "not_read" => format!("#{} {}: {}", of("entity"), of("type"), of("reason")),
+            "part_list" => format!(
+                "\"{}\": {} x, {} faces, {} closed shells",
+                of("name"),
+                of("instances"),
+                of("faces"),
+                of("closed_shells")
+            ),
+            _ => tolerance_line(entry),
+        };
+        let label = match name {
+            "not_read" => "not read",
+            "part_list" => "part",
+            _ => "tolerance",
+        };
+        writeln!(text, "  {label:<21} {line}")?;
+    }
+    Ok(())
+}
+
+/// A tolerance or dimension: what it is, its size, datums, and where it is stated.
+fn tolerance_line(entry: &Value) -> String {
+    let list =
+        |field: &str| entry[field].as_array().filter(|list| !list.is_empty()).map(|_| plain(&entry[field]));
+    let mut line = format!("#{} {}", plain(&entry["entity"]), plain(&entry["kind"]));
+    let mut add = |what: Option<String>| {
+        if let Some(what) = what.filter(|what| !what.is_empty()) {
+            line.push(' ');
+            line.push_str(&what);
+        }
+    };
+    add(entry["name"].as_str().filter(|name| !name.is_empty()).map(|name| format!("\"{name}\"")));
+    add(entry["value"].as_f64().map(|value| value.to_string()));
+    add(entry["lower"].as_f64().map(|value| format!("{value:+}")));
+    add(entry["upper"].as_f64().map(|value| format!("{value:+}")));
+    add(entry["fit"].as_str().map(str::to_owned));
+    add(list("datums").map(|datums| format!("to {datums}")));
+    add(list("modifiers").map(|modifiers| format!("({modifiers})")));
+    let others = list("other_entities").map(|others| format!("entities {others}"));
+    match (list("faces"), others) {
+        (Some(faces), None) => format!("{line}: {faces}"),
+        (Some(faces), Some(others)) => format!("{line}: {faces}; {others}"),
+        (None, Some(others)) => format!("{line}: {others}"),
+        (None, None) => format!("{line}: no face of its own"),
+    }
 }
 
 /// The order in which a person wants to read the facts.

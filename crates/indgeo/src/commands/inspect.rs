@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = AFTER_HELP)]
 pub(crate) struct Args {
-    /// NURBS surfaces or curves (JSON, or free-form OBJ), a CAD model (STEP), or a triangle mesh (STL, PLY, OBJ, OFF)
+    /// NURBS surfaces or curves (JSON, or free-form OBJ), a CAD model (STEP, IGES), or a triangle mesh (STL, PLY, OBJ, OFF)
     model: PathBuf,
     #[command(flatten)]
     cad: Choice,

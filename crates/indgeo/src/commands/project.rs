@@ -20,7 +20,7 @@ use std::path::PathBuf;
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = AFTER_HELP)]
 pub(crate) struct Args {
-    /// NURBS curves or surfaces (JSON, or free-form OBJ), a CAD model (STEP), or a triangle mesh (STL, PLY, OBJ, OFF); `-` is standard
+    /// NURBS curves or surfaces (JSON, or free-form OBJ), a CAD model (STEP, IGES), or a triangle mesh (STL, PLY, OBJ, OFF); `-` is standard
     /// input, which cannot be STEP
     pub(crate) model: PathBuf,
     #[command(flatten)]
@@ -107,6 +107,7 @@ Columns of OUT, one row per point, in the order of POINTS:
   curves in space     x,y,z,foot_x,foot_y,foot_z,distance,shape,t,status,lower_bound
   both                as for surfaces; on a curve u is t and v is empty
   mesh                x,y,z,foot_x,foot_y,foot_z,distance,shape,triangle,status,lower_bound  (shape is 0)
+  CAD models          x,y,z,foot_x,foot_y,foot_z,distance,shape,u,v,status,lower_bound,on,side,entity
   one plane curve     x,y,foot_x,foot_y,distance,t,status,lower_bound
   several of them     x,y,foot_x,foot_y,distance,shape,t,status,lower_bound
 Plane curves (\"dim\": 2) take points of two columns, or with z = 0.
@@ -121,6 +122,8 @@ status    converged, on_boundary (the closest point lies on the boundary of the 
           do), no_normal (that of the point is zero). In PLY a number, named in the header.
 lower_bound  no point of the model, with --max-angle no foot that counts, is nearer than this; empty where nothing was proven
           (--mode fast and local).
+on, side, entity  of CAD models: face, edge or vertex that holds the foot; outside, inside or undecided (then the distance
+          has no sign); number of the face or edge in the file (#entity), shape being the index of a face that holds the foot.
 Numbers read back to the same bits. .csv: a missing value is empty. .ply: binary, doubles, NaN and -1 where there is no
 value; triangles of POINTS are kept. .las, .laz: extra bytes, doubles, coordinates rounded to a grid (told); .e57: an extension,
 doubles; .glb: only points and triangles. .json: {\"points\": N, \"columns\": [...], \"x\": [...], ...}, null where there is

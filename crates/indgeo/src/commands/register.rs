@@ -27,7 +27,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = AFTER_HELP)]
 pub(crate) struct Args {
-    /// The fixed shape: NURBS (JSON; curves in the plane take points of two columns), a CAD model (STEP), a triangle mesh (STL, PLY, OBJ, OFF), or
+    /// The fixed shape: NURBS (JSON; curves in the plane take points of two columns), a CAD model (STEP, IGES), a triangle mesh (STL, PLY, OBJ, OFF), or
     /// a dense cloud; `-` is standard input
     model: PathBuf,
     #[command(flatten)]

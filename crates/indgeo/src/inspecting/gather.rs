@@ -23,6 +23,7 @@ use industrial_geometry::mesh::BoundingBox;
 use industrial_geometry::mesh::nalgebra::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::io::Write;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -103,6 +104,8 @@ pub(super) struct Gathered {
     /// Hash of the points as read, and how many there are in the file of which these are a part.
     pub(super) points_hash: Option<String>,
     pub(super) of_file: u64,
+    /// What was said of the units before anything was measured.
+    pub(super) told: Option<String>,
 }
 
 impl Gathered {
@@ -117,6 +120,7 @@ impl Gathered {
             names: BTreeMap::new(),
             points_hash: None,
             of_file: 0,
+            told: None,
         })
     }
 }
@@ -293,6 +297,9 @@ impl<'a> Gathering<'a> {
             let all = self.gathered.bounds.get_or_insert(bounds);
             *all = union(all, &bounds);
         }
+        if self.next == 0 && !self.job.quiet {
+            self.tell_units(positions.len());
+        }
         let start = Instant::now();
         let first = self.next;
         let done = usize::try_from(first).unwrap_or(usize::MAX);
@@ -318,6 +325,17 @@ impl<'a> Gathering<'a> {
         self.next += positions.len() as u64;
         self.compute += start.elapsed().as_secs_f64();
         Ok(())
+    }
+
+    /// Says before anything is measured that the sizes of model and scan look like those of different units, as far as the first points
+    /// tell: those of a piece may be a small part of the scan.
+    fn tell_units(&mut self, points: usize) {
+        let Some((units, bounds)) = self.setup.units.as_ref().zip(self.gathered.bounds) else { return };
+        let is_whole = points != PIECE;
+        if let Some(warning) = units.warning(bounds.diagonal()).filter(|_| is_whole) {
+            let _ = writeln!(std::io::stderr(), "warning: {warning}");
+            self.gathered.told = Some(warning);
+        }
     }
 
     /// Makes sure that there are normals where they are needed, and drops them where they are not.

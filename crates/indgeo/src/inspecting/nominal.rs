@@ -100,6 +100,7 @@ fn describe(
             _ => "nurbs",
         },
         unit: units.map(|units| units.name.clone()),
+        points_unit: units.map(Units::of_points),
         dimension: if measured == Measured::Profile { 2 } else { 3 },
         shapes: nominal.shapes().len(),
         patches: nominal.piece_count(),

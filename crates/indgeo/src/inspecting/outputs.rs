@@ -98,7 +98,9 @@ pub(super) fn add_inputs(
         }
     }
     let diagonal = gathered.bounds.map_or(0.0, |bounds| bounds.diagonal());
-    report.warnings.extend(setup.units.as_ref().and_then(|units| units.warning(diagonal)));
+    let of_units = setup.units.as_ref().and_then(|units| units.warning(diagonal));
+    report.told.extend(gathered.told.iter().filter(|told| of_units.as_ref() == Some(*told)).cloned());
+    report.warnings.extend(of_units);
     report.warnings.extend(setup.of_build.iter().cloned());
     Ok(())
 }
@@ -137,10 +139,16 @@ fn write_page(
         Some(first) if job.points.len() == 1 => name(first),
         _ => job.cloud(),
     };
+    // Which units the lengths of the page have.
+    let unit = report.model.as_ref().and_then(|model| model.unit.clone());
+    let in_unit = |name: &str, how: &str| match &unit {
+        Some(unit) => format!("{name} ({how}{unit})"),
+        None => name.to_owned(),
+    };
     let page = Page {
         title: &format!("Inspection of {cloud}"),
-        model: &name(job.model),
-        cloud: &cloud,
+        model: &in_unit(&name(job.model), "unit: "),
+        cloud: &in_unit(&cloud, "states no unit, taken as "),
         program: concat!("indgeo ", env!("CARGO_PKG_VERSION")),
         inspection: found,
         picture,

@@ -29,6 +29,12 @@ pub(super) enum Column {
     Status,
     /// What is proven: no point of the model is nearer.
     LowerBound,
+    /// What of a CAD model the footpoint lies on.
+    On,
+    /// Side of a CAD model on which the point lies.
+    Side,
+    /// Number of the face or edge in the file of a CAD model.
+    Entity,
 }
 
 impl Column {
@@ -49,6 +55,9 @@ impl Column {
             Self::Triangle => "triangle",
             Self::Status => "status",
             Self::LowerBound => "lower_bound",
+            Self::On => "on",
+            Self::Side => "side",
+            Self::Entity => "entity",
         }
     }
 
@@ -65,6 +74,9 @@ impl Column {
             Self::Triangle => index(foot.triangle),
             Self::Status => status_cell(foot.status),
             Self::LowerBound => Cell::Number(foot.lower_bound),
+            Self::On => named(foot.location, &PLACES),
+            Self::Side => named(foot.side, &SIDES),
+            Self::Entity => index(foot.entity),
         }
     }
 }
@@ -89,6 +101,9 @@ impl Layout {
         };
         columns.extend(rest);
         columns.extend([Column::Status, Column::LowerBound]);
+        if matches!(target, Target::Cad(_)) {
+            columns.extend([Column::On, Column::Side, Column::Entity]);
+        }
         Self(columns)
     }
 
@@ -126,6 +141,16 @@ const STATUSES: [Status; 10] = [
     Status::NoMatchingFoot,
     Status::NoNormal,
 ];
+
+/// What a footpoint on a CAD model lies on, in the order of the numbers in binary files.
+const PLACES: [&str; 4] = ["none", "face", "edge", "vertex"];
+/// Sides of a CAD model, in the order of their numbers.
+const SIDES: [&str; 4] = ["none", "outside", "inside", "undecided"];
+
+/// One of a few names with its number.
+fn named(name: &'static str, of: &[&str]) -> Cell {
+    Cell::Name(name, (0u8..).zip(of).find(|(_, other)| **other == name).map_or(0, |(code, _)| code))
+}
 
 /// The number of a status in the file; 255 for one that is not listed.
 fn code(status: Status) -> u8 {
@@ -169,5 +194,15 @@ impl Rows for Table<'_> {
             format!("footpoints by indgeo {}, in the unit of the input", env!("CARGO_PKG_VERSION")),
             status_comment(),
         ]
+        .into_iter()
+        .chain(self.layout.0.contains(&Column::On).then(|| {
+            let list = |names: &[&str]| {
+                let numbered: Vec<String> =
+                    names.iter().enumerate().map(|(k, name)| format!("{k} {name}")).collect();
+                numbered.join(", ")
+            };
+            format!("on: {}; side: {}", list(&PLACES), list(&SIDES))
+        }))
+        .collect()
     }
 }

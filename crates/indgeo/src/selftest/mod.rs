@@ -1,5 +1,6 @@
 //! Constructed cases whose answers are known from how they were made, and how far the program is from these answers.
 
+mod cad;
 mod files;
 mod inspection;
 mod projection;
@@ -61,12 +62,13 @@ impl Checks {
 /// One group of cases after the other; `before` hears how many are done, and of how many.
 pub(crate) fn run(before: &dyn Fn(usize, usize)) -> Vec<Check> {
     type Group = (&'static str, fn(&mut Checks));
-    let groups: [Group; 5] = [
+    let groups: [Group; 6] = [
         ("projection", projection::add),
         ("registration", registration::add),
         ("views", views::add),
         ("inspection", inspection::add),
         ("files", files::add),
+        ("CAD", cad::add),
     ];
     let mut checks = Checks::default();
     for (done, (group, add)) in groups.into_iter().enumerate() {

@@ -47,8 +47,20 @@ fn distances_are_those_from_the_trimmed_faces() {
     let run = bench.run("project bracket.step points.xyz -o out.csv --json r.json");
     assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
     let text = bench.text("out.csv");
-    assert_eq!(text.lines().next(), Some("x,y,z,foot_x,foot_y,foot_z,distance,shape,u,v,status,lower_bound"));
+    assert_eq!(
+        text.lines().next(),
+        Some("x,y,z,foot_x,foot_y,foot_z,distance,shape,u,v,status,lower_bound,on,side,entity")
+    );
+    let model = std::fs::read_to_string(BRACKET).unwrap();
     for (cells, (_, expected, uncertainty)) in rows(&text).iter().zip(table()) {
+        // What the foot lies on is called by its number in the file.
+        let kind = if cells[12] == "face" { "ADVANCED_FACE" } else { "EDGE_CURVE" };
+        let record =
+            model.split(';').find(|r| r.trim_start().starts_with(&format!("#{} =", cells[14]))).unwrap();
+        assert!(record.contains(kind), "{cells:?} {record}");
+        if expected.abs() > 1e-3 {
+            assert_eq!(cells[13], if expected > 0.0 { "outside" } else { "inside" }, "{cells:?}");
+        }
         let distance: f64 = cells[6].parse().unwrap();
         let allowed = (2.0 * uncertainty).max(7.4e-6);
         assert!((distance.abs() - expected.abs()).abs() <= allowed, "{cells:?} {expected}");
@@ -56,6 +68,12 @@ fn distances_are_those_from_the_trimmed_faces() {
     }
     let report: Value = serde_json::from_str(&bench.text("r.json")).unwrap();
     assert_eq!(report["model"]["unit"], "mm");
+    assert!(report["model"]["points_unit"].as_str().unwrap().starts_with("mm"), "{report}");
+    assert_eq!(
+        (&report["results"]["wide_gaps"], &report["results"]["undecided_sides"]),
+        (&0.into(), &0.into())
+    );
+    assert!(run.stdout.contains("units     model mm; points mm"), "{}", run.stdout);
     assert_eq!(report["inputs"][0]["format"], "step");
 }
 
@@ -68,6 +86,10 @@ fn inspection_reports_each_face() {
     let within = table().iter().filter(|(_, d, _)| d.abs() <= 0.5).count();
     assert!(report.to_string().contains('#'), "faces are called by their numbers");
     assert!(within > 0 && bench.text("r.html").contains("<html"));
+    let parts = report["results"]["parts"].as_array().unwrap();
+    assert_eq!((parts.len(), &parts[0]["count"]), (1, &report["results"]["total"]["count"]), "{parts:?}");
+    assert_eq!(parts[0]["distance"]["rms"], report["results"]["total"]["distance"]["rms"]);
+    assert!(bench.text("r.html").contains("unit: mm") && bench.text("r.html").contains("taken as mm"));
 }
 
 #[test]
@@ -79,7 +101,9 @@ fn a_scan_in_inches_is_pointed_out() {
         near.map(|([x, y, z], _, _)| format!("{} {} {}\n", x / 25.4, y / 25.4, z / 25.4)).collect();
     bench.put("inches.xyz", &text);
     let run = bench.run("project bracket.step inches.xyz -o out.csv");
-    assert!(run.stderr.contains("25.4"), "{}", run.stderr);
+    assert_eq!(run.stderr.matches("25.4").count(), 1, "{}", run.stderr);
+    let quiet = bench.run("project bracket.step inches.xyz -o out.csv --json r.json --quiet");
+    assert!(quiet.stderr.is_empty() && bench.text("r.json").contains("25.4"), "{}", quiet.stderr);
 }
 
 #[test]
@@ -109,4 +133,93 @@ fn faces_are_chosen_by_number() {
     assert!(wrong.stderr.contains("#3"), "{}", wrong.stderr);
     let unit = bench.run("project bracket.step one.xyz -o no.csv --unit inch");
     assert!(unit.code == 2 && unit.stderr.contains("mm"), "{}", unit.stderr);
+}
+
+#[test]
+fn lines_are_followed_to_the_faces() {
+    let bench = bench_with_points();
+    // The bracket has a plate from x = 0 to 3; beside its holes lines along x meet both of its sides.
+    bench.put("line.xyz", "-2 19 30\n5.5 19 30\n1 19 30\n-2 900 30\n");
+    let run =
+        bench.run("inspect bracket.step line.xyz --tolerance 9 --along 1,0,0 -o line.csv --json r.json");
+    assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+    let text = bench.text("line.csv");
+    let rows = rows(&text);
+    let near: Vec<f64> = rows[..3].iter().map(|cells| cells[9].parse().unwrap()).collect();
+    assert!((near[0] - 2.0).abs() < 1e-12 && near[1] > 0.0 && near[2] < 0.0, "{near:?}");
+    assert_eq!(rows[3].last().map(String::as_str), Some("no_hit"), "{text}");
+    // The foot lies on the line, and on the model.
+    for cells in &rows[..3] {
+        assert!(
+            cells[4] == cells[1] && cells[5] == cells[2] && cells[6].parse::<f64>().unwrap().abs() == 1.0,
+            "{cells:?}"
+        );
+    }
+}
+
+#[test]
+fn models_come_from_standard_input_too() {
+    let bench = bench_with_points();
+    let text = std::fs::read(BRACKET).unwrap();
+    let info = bench.run_with("info - --json -", &text);
+    assert_eq!(info.code, 0, "{}", info.stderr);
+    let report: Value = serde_json::from_str(&info.stdout).unwrap();
+    assert_eq!((&report["results"][0]["kind"], &report["results"][0]["faces"]), (&"cad".into(), &42.into()));
+    let piped = bench.run_with("project - points.xyz -o piped.csv", &text);
+    assert_eq!(piped.code, 0, "{}", piped.stderr);
+    let read = bench.run("project bracket.step points.xyz -o read.csv");
+    assert_eq!(read.code, 0, "{}", read.stderr);
+    assert_eq!(bench.text("piped.csv"), bench.text("read.csv"));
+    let broken = bench.run_with("info -", &text[..text.len() / 2]);
+    assert!(broken.code == 2 && broken.stderr.contains("standard input"), "{}", broken.stderr);
+}
+
+#[test]
+fn info_names_the_tolerances_and_their_faces() {
+    let bench = bench_with_points();
+    let text = std::fs::read_to_string(BRACKET).unwrap();
+    let records = "
+#90001=SHAPE_ASPECT('hole','',#7,.T.);
+#90002=GEOMETRIC_ITEM_SPECIFIC_USAGE('','',#90001,#8,#1085);
+#90003=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.));
+#90004=LENGTH_MEASURE_WITH_UNIT(LENGTH_MEASURE(0.2),#90003);
+#90005=DATUM('','',#7,.F.,'A');
+#90006=DATUM_REFERENCE(1,#90005);
+#90007=PARALLELISM_TOLERANCE('Parallelism.1','',#90004,#90001,(#90006));
+";
+    let end = text.rfind("ENDSEC").unwrap();
+    bench.put("pmi.step", format!("{}{records}{}", &text[..end], &text[end..]));
+    let run = bench.run("info pmi.step");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(run.stdout.contains("#90007 parallelism \"Parallelism.1\" 0.2 to A: #1085"), "{}", run.stdout);
+    let run = bench.run("info pmi.step --json -");
+    let report: Value = serde_json::from_str(&run.stdout).unwrap();
+    let stated = &report["results"][0]["tolerances"];
+    assert_eq!(stated.as_array().map(Vec::len), Some(1), "{stated}");
+    assert_eq!(
+        (&stated[0]["value"], &stated[0]["datums"][0], &stated[0]["faces"][0]),
+        (&0.2.into(), &"A".into(), &"#1085".into())
+    );
+}
+
+#[test]
+fn each_part_has_its_own_deviations() {
+    let bench = Bench::new();
+    let three = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../fixtures/cad/00000050_80d90bfdd2e74e709956122a_step_000.step"
+    );
+    std::fs::copy(three, bench.path("three.step")).unwrap();
+    // Points of the triangles of all parts lie within the chord tolerance of them.
+    let made = bench.run("convert three.step points.ply --chord 1e-5");
+    assert_eq!(made.code, 0, "{}", made.stderr);
+    let run = bench.run("inspect three.step points.ply --tolerance 2e-5 --json r.json --report r.html");
+    assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+    let report: Value = serde_json::from_str(&bench.text("r.json")).unwrap();
+    let parts = report["results"]["parts"].as_array().unwrap();
+    assert_eq!(parts.len(), 3);
+    let count: u64 = parts.iter().map(|part| part["count"].as_u64().unwrap()).sum();
+    assert_eq!(Some(count), report["results"]["total"]["count"].as_u64());
+    assert_eq!(run.stdout.matches("  part      ").count(), 3, "{}", run.stdout);
+    assert!(bench.text("r.html").contains("id=\"parts\""));
 }

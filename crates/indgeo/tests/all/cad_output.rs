@@ -152,3 +152,31 @@ fn cad_models_become_closed_meshes() {
     assert!(run.code == 2 && run.stderr.contains("--chord has no effect"), "{}", run.stderr);
     assert!(!bench.path("part.igs").exists() && !bench.path("part.json").exists());
 }
+
+#[test]
+fn what_was_written_is_a_model_and_a_start_of_fits() {
+    let bench = Bench::new();
+    let points: String = (0..900)
+        .map(|k| {
+            let (x, y) = (f64::from(k % 30) / 3.0, f64::from(k / 30) / 3.0);
+            format!("{x} {y} {}\n", 0.3 * (0.5 * x).sin())
+        })
+        .collect();
+    bench.put("points.xyz", &points);
+    let run = |arguments: &str| {
+        let run = bench.run(arguments);
+        assert_eq!(run.code, 0, "{arguments}: {}{}", run.stdout, run.stderr);
+        run
+    };
+    run("fit-surface points.xyz -o surface.step --tolerance 0.01 --unit mm");
+    run("fit-surface points.xyz --init surface.step -o again.step --unit mm");
+    run("fit-surface --model surface.step -o model.step --unit mm");
+    // A cylinder over a wave is ruled.
+    run("fit-ruled surface.step -o ruled.igs --tolerance 0.02 --unit mm");
+    let line: String =
+        (0..80).map(|k| format!("{} {} 1\n", f64::from(k) * 0.1, (f64::from(k) * 0.1).sin())).collect();
+    bench.put("line.xyz", &line);
+    run("fit-curve line.xyz -o curve.step --unit mm");
+    run("fit-curve line.xyz --init curve.step -o curve2.step --unit mm");
+    run("fit-curve --model curve.step -o curve3.igs --unit mm");
+}

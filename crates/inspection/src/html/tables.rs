@@ -64,6 +64,9 @@ pub(super) fn statistics(inspection: &Inspection) -> String {
 pub(super) fn below(page: &Page<'_>) -> String {
     let mut out = String::new();
     out.push_str(&worst(page.inspection));
+    if !page.inspection.parts.is_empty() {
+        out.push_str(&parts(page.inspection));
+    }
     if !page.inspection.shapes.is_empty() {
         out.push_str(&surfaces(page.inspection));
     }
@@ -111,19 +114,22 @@ fn worst(inspection: &Inspection) -> String {
     out
 }
 
-fn surfaces(inspection: &Inspection) -> String {
-    let mut out = String::from(
-        "<section class=\"wide\"><h2>Surfaces</h2><div class=\"scroll\"><table id=\"shapes\"><thead><tr><th scope=\"col\">surface</th><th scope=\"col\">points</th>\
+/// A table of what the points of each surface, or of each part, deviate.
+fn groups<'a>(
+    title: &str,
+    id: &str,
+    what: &str,
+    rows: impl Iterator<Item = (u32, String, &'a Deviations)>,
+) -> String {
+    let mut out = format!(
+        "<section class=\"wide\"><h2>{title}</h2><div class=\"scroll\"><table id=\"{id}\"><thead><tr><th scope=\"col\">{what}</th><th scope=\"col\">points</th>\
          <th scope=\"col\">within</th><th scope=\"col\">share</th><th scope=\"col\">above</th><th scope=\"col\">below</th><th scope=\"col\">min</th><th scope=\"col\">max</th>\
          <th scope=\"col\">mean</th><th scope=\"col\">RMS</th><th scope=\"col\">σ</th><th scope=\"col\">on boundary</th></tr></thead><tbody>",
     );
-    for shape in &inspection.shapes {
-        let name = shape.info.name.as_deref().map_or_else(|| shape.info.kind.to_owned(), escape);
-        let d: &Deviations = &shape.deviations;
+    for (index, name, d) in rows {
         let _ = write!(
             out,
-            "<tr><th scope=\"row\">{} {name}</th><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>",
-            shape.index,
+            "<tr><th scope=\"row\">{index} {name}</th><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>",
             d.count,
             d.within,
             percent(d.within, d.count, Rounding::Down),
@@ -136,6 +142,19 @@ fn surfaces(inspection: &Inspection) -> String {
     }
     out.push_str("</tbody></table></div></section>");
     out
+}
+
+fn parts(inspection: &Inspection) -> String {
+    let rows = inspection.parts.iter().map(|part| (part.index, escape(&part.name), &part.deviations));
+    groups("Parts", "parts", "part", rows)
+}
+
+fn surfaces(inspection: &Inspection) -> String {
+    let rows = inspection.shapes.iter().map(|shape| {
+        let name = shape.info.name.as_deref().map_or_else(|| shape.info.kind.to_owned(), escape);
+        (shape.index, name, &shape.deviations)
+    });
+    groups("Surfaces", "shapes", "surface", rows)
 }
 
 /// How it was measured, in a sentence or two.

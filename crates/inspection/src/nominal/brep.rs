@@ -1,5 +1,6 @@
 //! Deviations from CAD models with trimmed faces.
 
+use super::signed;
 use crate::{Deviation, Error, Outcome, Place};
 use brep_core::{Foot, Model, On};
 use footpoint::Facing;
@@ -67,6 +68,51 @@ impl BrepNominal {
             }
             _ => self.deviation(&nearest),
         }
+    }
+
+    /// The deviation along a line in a direction of length 1, followed up to `reach` in both senses.
+    pub(super) fn along(
+        &self,
+        point: &Point3<f64>,
+        direction: &Vector3<f64>,
+        reach: f64,
+        facing: Option<&Facing>,
+    ) -> Deviation {
+        let Some(found) = self.model.nearest_on_line(&point.coords, direction, reach, facing) else {
+            return Deviation::none(Outcome::InvalidPoint);
+        };
+        let Some(hit) = found.nearest else {
+            return match (found.free < f64::INFINITY, found.refused < f64::INFINITY) {
+                (true, _) => Deviation::none(Outcome::NotConverged),
+                (false, false) => Deviation::none(Outcome::NoHit),
+                // Whether there is another crossing, too far away, makes a difference.
+                (false, true) if reach < f64::INFINITY => self.along(point, direction, f64::INFINITY, facing),
+                (false, true) => Deviation::none(Outcome::NoMatchingFoot),
+            };
+        };
+        let size = hit.offset.abs();
+        Deviation {
+            outcome: if found.free < size { Outcome::Undecided } else { Outcome::Measured },
+            foot: hit.point.into(),
+            normal: hit.normal,
+            distance: signed(size, &(direction * -hit.offset), &hit.normal),
+            gap: size - found.free,
+            parameter: hit.uv,
+            shape: u32::try_from(self.first[hit.instance] + hit.face).unwrap_or(u32::MAX),
+            triangle: u32::MAX,
+            place: if hit.is_at_edge { Place::Edge } else { Place::Interior },
+            corner: 0,
+            is_restricted: found.refused < size,
+            on_boundary: false,
+        }
+    }
+
+    /// The unit normal of a face, by its number among those of all instances.
+    pub(super) fn face_normal(&self, shape: usize, parameter: [f64; 2]) -> Vector3<f64> {
+        let index = self.first.partition_point(|first| *first <= shape).saturating_sub(1);
+        let Some(instance) = self.model.instances().get(index) else { return Vector3::zeros() };
+        let face = self.model.parts()[instance.part].faces().get(shape - self.first[index]);
+        face.map_or_else(Vector3::zeros, |face| instance.placement.direction(&face.normal(parameter)))
     }
 
     fn deviation(&self, foot: &Foot) -> Deviation {

@@ -36,6 +36,9 @@ pub struct ShapeInfo {
     pub kind: &'static str,
     /// Its name, if it has one.
     pub name: Option<String>,
+    /// The part of a CAD model that it belongs to: index and name of the instance.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub part: Option<(u32, String)>,
 }
 
 /// The nominal shape, prepared for measurements.
@@ -61,7 +64,7 @@ impl Nominal {
     /// # Errors
     /// [`Error::EmptyModel`] without surfaces.
     pub fn from_surfaces(surfaces: Vec<BsplineSurface>) -> Result<Self, Error> {
-        let shapes = vec![ShapeInfo { kind: "surface", name: None }; surfaces.len()];
+        let shapes = vec![ShapeInfo { kind: "surface", name: None, part: None }; surfaces.len()];
         Ok(Self { kind: Kind::Surfaces(Box::new(SurfacesNominal::new(surfaces)?)), shapes })
     }
 
@@ -70,7 +73,7 @@ impl Nominal {
     /// # Errors
     /// [`Error::Mesh`] if no triangle has finite coordinates.
     pub fn from_mesh(mesh: &TriangleMesh) -> Result<Self, Error> {
-        let shapes = vec![ShapeInfo { kind: "mesh", name: None }];
+        let shapes = vec![ShapeInfo { kind: "mesh", name: None, part: None }];
         Ok(Self { kind: Kind::Mesh(Box::new(MeshNominal::new(mesh)?)), shapes })
     }
 
@@ -80,7 +83,8 @@ impl Nominal {
     /// [`Error::EmptyModel`] without surfaces.
     pub fn from_analytic(surfaces: &[AnalyticSurface]) -> Result<Self, Error> {
         let nominal = AnalyticNominal::new(surfaces.to_vec())?;
-        let shapes = surfaces.iter().map(|s| ShapeInfo { kind: analytic::kind(s), name: None }).collect();
+        let shapes =
+            surfaces.iter().map(|s| ShapeInfo { kind: analytic::kind(s), name: None, part: None }).collect();
         Ok(Self { kind: Kind::Analytic(Box::new(nominal)), shapes })
     }
 
@@ -92,7 +96,7 @@ impl Nominal {
     /// # Errors
     /// [`Error::EmptyModel`] without curves.
     pub fn from_profile(curves: Vec<BsplineCurve<2>>) -> Result<Self, Error> {
-        let shapes = vec![ShapeInfo { kind: "curve", name: None }; curves.len()];
+        let shapes = vec![ShapeInfo { kind: "curve", name: None, part: None }; curves.len()];
         Ok(Self { kind: Kind::Profile(Box::new(CurvesNominal::new(curves)?)), shapes })
     }
 
@@ -101,20 +105,20 @@ impl Nominal {
     /// # Errors
     /// [`Error::EmptyModel`] without curves.
     pub fn from_curves(curves: Vec<BsplineCurve<3>>) -> Result<Self, Error> {
-        let shapes = vec![ShapeInfo { kind: "curve", name: None }; curves.len()];
+        let shapes = vec![ShapeInfo { kind: "curve", name: None, part: None }; curves.len()];
         Ok(Self { kind: Kind::Curves(Box::new(CurvesNominal::new(curves)?)), shapes })
     }
 
     /// A CAD model with trimmed faces. Its faces are numbered through all instances of its parts, and called by their names in
     /// the file, or by their numbers there.
     ///
-    /// Deviations are measured along the shortest lines only. Feet on edges count with the mean normal of the faces there.
+    /// Feet on edges count with the mean normal of the faces there; where a line meets an edge, with that of the face that it meets.
     ///
     /// # Errors
     /// [`Error::EmptyModel`] without faces.
     pub fn from_brep(model: Arc<Model>) -> Result<Self, Error> {
         let mut shapes = Vec::new();
-        for instance in model.instances() {
+        for (instance, index) in model.instances().iter().zip(0_u32..) {
             let part = &model.parts()[instance.part];
             shapes.extend(part.faces().iter().map(|face| {
                 let number = format!("#{}", face.source());
@@ -125,7 +129,7 @@ impl Nominal {
                 };
                 let owner = if instance.name.is_empty() { part.name() } else { &instance.name };
                 let name = if owner.is_empty() { name } else { format!("{owner}: {name}") };
-                ShapeInfo { kind: "face", name: Some(name) }
+                ShapeInfo { kind: "face", name: Some(name), part: Some((index, owner.to_owned())) }
             }));
         }
         Ok(Self { kind: Kind::Brep(Box::new(BrepNominal::new(model)?)), shapes })
@@ -189,8 +193,8 @@ impl Nominal {
     /// `progress` may cancel: what is left then has [`Outcome::Cancelled`].
     ///
     /// Lines of projection are followed in both senses to the nearest point of the shape that counts: on meshes by exact
-    /// intersection; on surfaces by steps as long as the certified distance allows (\[Ha96\]), so that no nearer point is missed
-    /// but within the [`gap`](Deviation::gap), and by Newton's method at the end.
+    /// intersection; on CAD models by all crossings with their faces; on surfaces by steps as long as the certified distance allows
+    /// (\[Ha96\]), so that no nearer point is missed but within the [`gap`](Deviation::gap), and by Newton's method at the end.
     ///
     /// With a largest angle, the feet that count along shortest lines are the local minima of the distance on surfaces, and the
     /// nearest points of the triangles of a mesh, where the normal of the shape, on a kink or edge that of any face there, is
@@ -235,7 +239,6 @@ impl Nominal {
             (Kind::Profile(_) | Kind::Curves(_), Along::Normal | Along::Direction(_)) => {
                 return Err(Error::AlongCurves);
             }
-            (Kind::Brep(_), Along::Normal | Along::Direction(_)) => return Err(Error::AlongFaces),
             (Kind::Profile(_) | Kind::Curves(_), _) if limit.is_some() => return Err(Error::FacingCurves),
             (Kind::Mesh(mesh), _) if limit.is_some() && !mesh.is_signed() => {
                 return Err(Error::FacingUnoriented);
@@ -304,7 +307,8 @@ impl Nominal {
             (Kind::Surfaces(nominal), Some(line)) => {
                 trace::along(nominal.as_ref(), point, line, options.max_distance, facing)
             }
-            (Kind::Brep(nominal), _) => nominal.shortest(point, facing),
+            (Kind::Brep(nominal), None) => nominal.shortest(point, facing),
+            (Kind::Brep(nominal), Some(line)) => nominal.along(point, line, options.max_distance, facing),
             // Many of these are measured at once, or refused before.
             (Kind::Surfaces(_) | Kind::Profile(_) | Kind::Curves(_), _) => Deviation::none(Outcome::NoHit),
         }
@@ -340,6 +344,7 @@ impl Nominal {
                 let offset = if is_hit { Vector3::zeros() } else { offset };
                 nominal.normal(shape, record.parameter, &offset)
             }
+            Kind::Brep(nominal) if is_hit => nominal.face_normal(shape, record.parameter),
             Kind::Brep(nominal) => {
                 let facing = normal.zip(options.angle_limit()).and_then(|(n, a)| Facing::new(n, a).ok());
                 nominal.normal(point, facing.filter(|_| record.is_restricted()).as_ref())
