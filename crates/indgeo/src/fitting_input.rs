@@ -8,7 +8,7 @@ use crate::report::{Input, Output, Report, Timings};
 use crate::sampling;
 use crate::wording::{counted, not_finite};
 use industrial_geometry::fit::SurfaceCoverage;
-use industrial_geometry::io::{Content, Model, ReadOptions, Shape, WriteOptions};
+use industrial_geometry::io::{Content, Model, Shape, WriteOptions};
 use industrial_geometry::mesh::TriangleMesh;
 use industrial_geometry::nurbs::nalgebra::Vector3;
 use industrial_geometry::nurbs::{BsplineSurface, ParametricSurface};
