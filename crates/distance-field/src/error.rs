@@ -19,6 +19,14 @@ pub enum Error {
         /// Number of points.
         count: usize,
     },
+    /// A cloud without any normal.
+    #[error(
+        "none of {count} points has a normal, and their neighbours span no plane from which it could be estimated"
+    )]
+    NoNormals {
+        /// Number of points.
+        count: usize,
+    },
     /// A grid of values cannot be used.
     #[error("grid: {what}")]
     Grid {

@@ -93,7 +93,8 @@ impl MlsField {
     /// The surface of a cloud with the default options; normals that are not given are estimated and turned to one side.
     ///
     /// # Errors
-    /// [`Error::Mesh`] if there is not one normal per point or if none can be estimated; [`Error::NoPoints`] if no point is finite.
+    /// [`Error::Mesh`] if there is not one normal per point ; [`Error::NoNormals`] if no normal has a direction and none can be
+    /// estimated; [`Error::NoPoints`] if no point is finite.
     pub fn new(points: &[Point3<f64>], normals: Option<&[Vector3<f64>]>) -> Result<Self, Error> {
         Self::with_options(points, normals, &MlsOptions::default())
     }

@@ -190,6 +190,7 @@ pub(crate) fn refused(path: &Path, error: &industrial_geometry::level_set::Error
         LevelSet::Option { .. } => Error::usage(text, "see `indgeo contour --help`"),
         LevelSet::Malformed { .. } => Error::content(path, text, "get the whole file again, or save it anew"),
         LevelSet::Level { .. } => Error::content(path, text, "see --level"),
+        LevelSet::Field(_) | LevelSet::Mesh(_) => Error::content(path, text, "check it with `indgeo info`"),
         _ => Error::content(path, text, "look at the image or grid with another program"),
     }
 }

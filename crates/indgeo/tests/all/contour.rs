@@ -228,6 +228,9 @@ fn meshes_are_made_anew_and_fields_are_models() {
     assert!(run.code == 2 && run.stderr.contains("8 to 2000"), "{}", run.stderr);
     bench.put("points.xyz", "0 0 0\n1 0 0\n");
     let run = bench.run("convert points.xyz o.ply --grid 20");
+    assert!(run.code == 2 && run.stderr.contains("none of 2 points has a normal"), "{}", run.stderr);
+    bench.put("line.csv", "x,y\n0,0\n1,0\n2,1\n");
+    let run = bench.run("convert line.csv o.ply --grid 20");
     assert!(run.code == 2 && run.stderr.contains("--grid has no effect"), "{}", run.stderr);
 
     // Points on a box, moved by (0.05, -0.04, 0.03): its signed field brings them back.
