@@ -114,6 +114,8 @@ fn spacings_may_differ() {
 fn bad_input_is_refused_or_left_out() {
     let (points, normals) = sphere(200, 1.0, &Vector3::zeros());
     assert!(matches!(MlsField::new(&[], None), Err(Error::NoPoints { .. } | Error::Mesh(_))));
+    let two = [Point3::origin(), Point3::new(1.0, 0.0, 0.0)];
+    assert!(matches!(MlsField::new(&two, None), Err(Error::NoNormals { count: 2 })));
     assert!(matches!(MlsField::new(&points, Some(&normals[1..])), Err(Error::Mesh(_))));
     for reach in [f64::NAN, 1.0, f64::INFINITY] {
         let options = MlsOptions::default().with_reach(reach);
