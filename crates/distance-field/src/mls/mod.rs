@@ -93,7 +93,7 @@ impl MlsField {
     /// The surface of a cloud with the default options; normals that are not given are estimated and turned to one side.
     ///
     /// # Errors
-    /// [`Error::Mesh`] if there is not one normal per point ; [`Error::NoNormals`] if no normal has a direction and none can be
+    /// [`Error::Mesh`] if there is not one normal per point; [`Error::NoNormals`] if no normal has a direction and none can be
     /// estimated; [`Error::NoPoints`] if no point is finite.
     pub fn new(points: &[Point3<f64>], normals: Option<&[Vector3<f64>]>) -> Result<Self, Error> {
         Self::with_options(points, normals, &MlsOptions::default())
@@ -135,6 +135,9 @@ impl MlsField {
             .filter(|(p, n)| usable(p, n))
             .map(|(p, n)| (*p, n.normalize()))
             .unzip();
+        if kept.is_empty() && points.iter().any(|p| p.iter().all(|c| c.is_finite())) {
+            return Err(Error::NoNormals { count: points.len() });
+        }
         let bounds =
             Aabb::of_points(kept.iter().map(|p| &p.coords)).ok_or(Error::NoPoints { count: points.len() })?;
         let centre = bounds.centre();
