@@ -282,7 +282,7 @@ impl Spline {
         let poles_u = [(0, u.start()), (n_u - 1, u.end())].into_iter().filter(|(i, _)| column(*i));
         let (poles_v, poles_u) = (poles_v.map(|p| p.1).collect(), poles_u.map(|p| p.1).collect());
         let patches = OnceLock::new();
-        Ok(Self { projector: SurfaceProjector::new(&surface), surface, poles_v, poles_u, patches })
+        Ok(Self { projector: SurfaceProjector::on_demand(&surface), surface, poles_v, poles_u, patches })
     }
 
     /// Parameters inside the domain: wrapped where the surface is closed, else moved to the border.

@@ -63,9 +63,9 @@ const DAMPING: [f64; 2] = [1e-3, 1e8];
 /// A step creeps when it lowers the cost by less than the first share, and is longer than the second share of the one before.
 /// After so many of them one after the other the rest is a motion along the shape that makes no difference.
 const CREEPING: (f64, f64, u32) = (1e-7, 0.9, 8);
-/// A step also creeps when it lowers the cost, in units of the variance of a distance, by less than this: no noise lets a pose mean so
-/// little.
-const INSIGNIFICANT: f64 = 5e-3;
+/// What the whole of a damped step could gain, in units of the variance of a distance, below which it is not looked for: it would move
+/// the pose by less than a quarter of its standard deviation, and the cost of clouds has steps that are larger.
+const INSIGNIFICANT: f64 = 0.0625;
 /// A step idles when it is shorter than the first number and lowers the cost by less than the second share: clouds that stand for a
 /// surface have a cost with small steps and corners, on which the iteration goes to and fro. Ended after so many in a row.
 const IDLE: (f64, f64, u32) = (1e-8, 1e-6, 3);
@@ -256,13 +256,16 @@ impl<const D: usize> Run<'_, D> {
         } else {
             // Where the cost has steps, as that of points which change their neighbours, a full step may raise it a little. That
             // does not matter where the whole of it would have been too short to make.
-            self.motion(&models, &models.scaled.step(&models.linear, 0.0)) <= self.tolerance()
+            let whole = models.scaled.step(&models.linear, 0.0);
+            let gain = -models.vector.dot(&whole);
+            let variance = models.system.cost / points.max(1) as f64;
+            let is_idle = self.stage.method == Method::Adaptive && gain <= INSIGNIFICANT * variance;
+            self.motion(&models, &whole) <= self.tolerance() || is_idle
         };
         if ends {
             return ControlFlow::Break(Status::Converged);
         }
         let (gain, shrinking, most) = CREEPING;
-        let gain = gain.max(INSIGNIFICANT / points.max(1) as f64);
         let creeps = models.system.cost - trial.cost < gain * models.system.cost && ratio > shrinking;
         self.creeping = if creeps { self.creeping + 1 } else { 0 };
         let (short, no_gain, enough) = IDLE;

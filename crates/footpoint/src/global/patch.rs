@@ -13,6 +13,7 @@ use crate::projector::pool::Pool;
 use nalgebra::Vector3;
 use nurbs_core::{BezierPatch, BsplineSurface};
 use std::ops::Deref;
+use std::sync::OnceLock;
 
 /// All patches of a model, rows of squared distance forms with `8 K` coefficients, and a tree to find the nearest.
 ///
@@ -28,7 +29,8 @@ pub(crate) struct PatchSet<const K: usize> {
     pub(crate) products: Products<K>,
     pub(super) sampling: Sampling<K>,
     forms: Vec<Row<K>>,
-    pub(super) tiles: Tiles,
+    /// Made when it is first needed, see [`PatchSet::tiles`].
+    tiles: OnceLock<Tiles>,
     pub(crate) scratch: Pool<Scratch<K>>,
 }
 
@@ -54,7 +56,7 @@ impl<const K: usize> PatchSet<K> {
             products: Products::default(),
             sampling: Sampling::default(),
             forms: Vec::new(),
-            tiles: Tiles::default(),
+            tiles: OnceLock::new(),
             scratch: Pool::default(),
         };
         splitting_rows(0.5, &mut set.halves);
@@ -71,8 +73,13 @@ impl<const K: usize> PatchSet<K> {
         }
         set.geometry.size = extent(&boxes);
         set.tree = BoxTree::new(&boxes);
-        set.tiles = Tiles::new(&set.geometry);
         set
+    }
+
+    /// What the proofs on patches of high degree or with unequal weights use. It takes much of the time of the preparation, and many
+    /// patches of a large model are never asked for.
+    pub(crate) fn tiles(&self) -> &Tiles {
+        self.tiles.get_or_init(|| Tiles::new(&self.geometry))
     }
 
     fn push(&mut self, shape: usize, cell: [usize; 2], patch: &BezierPatch) {
@@ -145,7 +152,10 @@ impl<const K: usize> PatchSet<K> {
 
     /// Bytes of the prepared data.
     pub(crate) fn memory(&self) -> usize {
-        self.geometry.memory() + size_of_val(&self.forms[..]) + self.tree.memory() + self.tiles.memory()
+        self.geometry.memory()
+            + size_of_val(&self.forms[..])
+            + self.tree.memory()
+            + self.tiles.get().map_or(0, Tiles::memory)
     }
 }
 

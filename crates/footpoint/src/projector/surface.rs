@@ -70,7 +70,23 @@ impl SurfaceProjector {
     /// Prepares one surface.
     #[must_use]
     pub fn new(surface: &BsplineSurface) -> Self {
+        let projector = Self::on_demand(surface);
+        projector.complete();
+        projector
+    }
+
+    /// As [`SurfaceProjector::new`], but what the proofs on patches of high degree or with unequal weights need is prepared when a query
+    /// first needs it: for models of many surfaces of which few queries come near each.
+    #[must_use]
+    pub fn on_demand(surface: &BsplineSurface) -> Self {
         Self::prepare(&[surface])
+    }
+
+    /// Prepares what queries would have to wait for.
+    fn complete(&self) {
+        with_set!(&self.set, set => {
+            set.tiles();
+        });
     }
 
     /// Prepares a model of several surfaces; the nearest of all is found.
@@ -81,7 +97,9 @@ impl SurfaceProjector {
         if surfaces.is_empty() {
             return Err(Error::EmptyModel);
         }
-        Ok(Self::prepare(&surfaces.iter().collect::<Vec<_>>()))
+        let projector = Self::prepare(&surfaces.iter().collect::<Vec<_>>());
+        projector.complete();
+        Ok(projector)
     }
 
     fn prepare(surfaces: &[&BsplineSurface]) -> Self {

@@ -107,12 +107,12 @@ impl<const K: usize> PatchSet<K> {
         scratch: &mut Scratch<K>,
     ) -> f64 {
         let mut hulls = enter(scratch);
-        let unresolved = self.prove_by_tiles(&self.tiles, x, index, best, gap, &mut hulls);
+        let unresolved = self.prove_by_tiles(self.tiles(), x, index, best, gap, &mut hulls);
         let mut unresolved = unresolved;
         let patch = &self.patches[index];
         if Layout::new(patch.degrees(), patch.rational) != Layout::BICUBIC {
             unresolved =
-                unresolved.min(self.prove_by_tile_nets(&self.tiles, x, index, best, gap, &mut hulls));
+                unresolved.min(self.prove_by_tile_nets(self.tiles(), x, index, best, gap, &mut hulls));
             let HullScratch { left, pending, .. } = &mut hulls;
             std::mem::swap(left, pending);
             pending.reverse();

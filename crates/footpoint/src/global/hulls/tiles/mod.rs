@@ -283,12 +283,12 @@ impl<const K: usize> PatchSet<K> {
     /// Whether a patch is divided.
     #[inline(always)]
     pub(crate) fn is_tiled(&self, index: usize) -> bool {
-        self.tiles.root(index).is_some()
+        self.tiles().root(index).is_some()
     }
 
     /// A place of a divided patch near the query, unless all of it is as far as a limit.
     pub(crate) fn promising_tile(&self, x: &Vector3<f64>, index: usize, limit: f64) -> Option<[f64; 2]> {
-        let tiles = &self.tiles;
+        let tiles = self.tiles();
         let patch = &self.patches[index];
         let y = x - patch.centre;
         let mut node = &tiles.nodes[tiles.root(index)? as usize];

@@ -65,7 +65,7 @@ fn leaves(tiles: &Tiles) -> impl Iterator<Item = (u32, &Node)> {
 fn tiles_cover_a_patch_once() {
     for set in patches() {
         assert!(set.is_tiled(0));
-        let tiles = &set.tiles;
+        let tiles = set.tiles();
         let area =
             |node: &Node| (0..2).map(|d| f64::from(node.high[d]) - f64::from(node.low[d])).product::<f64>();
         assert_eq!(leaves(tiles).map(|(_, node)| area(node)).sum::<f64>(), 1.0);
@@ -78,7 +78,7 @@ fn tiles_cover_a_patch_once() {
 fn boxes_and_ranges_hold_what_is_on_a_tile() {
     let mut random = Random(5);
     for set in patches() {
-        let (tiles, patch) = (&set.tiles, &set.patches[0]);
+        let (tiles, patch) = (set.tiles(), &set.patches[0]);
         for (node, tile) in leaves(tiles) {
             let leaf = tiles.leaf(node);
             let region = tile.region();
@@ -133,7 +133,7 @@ fn reduced_nets_are_off_by_what_is_said() {
     let mut random = Random(6);
     let mut reduced = 0;
     for set in patches() {
-        let (tiles, patch) = (&set.tiles, &set.patches[0]);
+        let (tiles, patch) = (set.tiles(), &set.patches[0]);
         let layout = Layout::reduced(patch.rational);
         for (node, tile) in leaves(tiles) {
             let Some((net, centre)) = tiles.net(node, layout.length()) else { continue };
@@ -177,6 +177,6 @@ fn reduced_nets_are_off_by_what_is_said() {
 fn ordinary_patches_are_left_alone() {
     for surface in [noise([3, 3], 0.3, 1.0), noise([3, 3], 0.3, 3.0), bump(1.0)] {
         let set = PatchSet::<1>::new(std::iter::once(&surface));
-        assert!(!set.is_tiled(0) && set.tiles.memory() == 0);
+        assert!(!set.is_tiled(0) && set.tiles().memory() == 0);
     }
 }
