@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::description::Carrier;
-use footpoint::SurfaceProjector;
+use footpoint::{Mode, ProjectionOptions, SurfaceFootpoint, SurfaceProjector};
 use nalgebra::{Vector2, Vector3};
 use nurbs_core::{BezierPatch, BsplineSurface, Direction, Frame, ParametricSurface, SurfaceJet};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -309,7 +309,7 @@ impl Spline {
         let foot = match near {
             Some(foot) if foot.status.is_converged() && foot.distance <= FOLLOWED * size => foot,
             near => {
-                let global = self.projector.project(x);
+                let global = self.global(x, FOLLOWED * size);
                 match near {
                     Some(near)
                         if near.status.is_converged()
@@ -327,6 +327,16 @@ impl Spline {
             poles.iter().any(|p| (p - t).abs() <= 1e-7 * domain[i].length())
         };
         (Vector2::new(u, v), at(&self.poles_v, v, 1) || at(&self.poles_u, u, 0))
+    }
+}
+
+impl Spline {
+    /// The nearest point; where one is as near as edges are to their surface, no proof that it is.
+    fn global(&self, x: &Vector3<f64>, near: f64) -> SurfaceFootpoint {
+        match self.projector.project_with(x, &ProjectionOptions::default().with_mode(Mode::Fast)) {
+            Ok(foot) if foot.status.is_converged() && foot.distance <= near => foot,
+            _ => self.projector.project(x),
+        }
     }
 }
 
