@@ -2,7 +2,7 @@
 //!
 //! The script `xtask/compare/fitpack.py` fits the clouds of `fixtures/fit-cases` and measures orthogonal distances; `PYTHON` names the
 //! interpreter, in which scipy must be installed. `cargo xtask compare readers` compares coordinates of files instead, `cargo xtask compare cad`
-//! CAD files, and `cargo xtask compare registration` registrations by Open3D beside ours.
+//! CAD files, and `cargo xtask compare registration` registrations by `Open3D` beside ours.
 
 mod cad;
 mod readers;

@@ -56,8 +56,8 @@ impl<E> Sum<'_, E> {
 /// Reads points with all their attributes in pieces of at most `limit` points, in memory for one piece, and hands them to `take`;
 /// together they have the bits that [`read`](crate::read) gives them. A piece may be empty where points are dropped.
 ///
-/// Files of LAS and LAZ, E57 whose scans carry the same, binary PLY of points alone, and tables (XYZ, CSV, PTS) of three coordinates without
-/// names or texts, can be read so; `None` for all others, before `take` was called. LAS, LAZ and tables are gone through twice.
+/// Files of LAS and LAZ, E57 whose scans carry the same, binary PLY of points alone, tables (XYZ, CSV, PTS) of three coordinates without
+/// names or texts, and PTX, can be read so; `None` for all others, before `take` was called. LAS, LAZ, tables and PTX are gone through twice.
 ///
 /// # Errors
 /// As [`read`](crate::read), and what `take` fails with.
@@ -105,7 +105,11 @@ fn read_into<E>(limit: usize, sum: &mut Sum<'_, E>) -> Result<bool, Error> {
     }
     match open_text(path, options).map_err(failed)? {
         Some((file, Text::Table(table))) => read_table(file, *table, limit, sum).map(|()| true),
-        _ => Ok(false),
+        Some((file, Text::Grids(grids))) => {
+            let read = grids.read_clouds(&file, options, limit, &mut |parsed| sum.add(parsed));
+            read.map_err(failed)?.map(|()| true)
+        }
+        None => Ok(false),
     }
 }
 

@@ -32,8 +32,8 @@ pub(crate) fn numbers(line: &[u8]) -> Option<Vec<f64>> {
 
 /// Points of all scans so far.
 #[derive(Default)]
-struct Points {
-    positions: Vec<Point3<f64>>,
+pub(crate) struct Points {
+    pub(crate) positions: Vec<Point3<f64>>,
     intensities: Vec<f64>,
     colours: Vec<[u8; 3]>,
     scans: Vec<f64>,
@@ -74,17 +74,8 @@ pub(crate) fn read(source: Source<'_>, options: &ReadOptions) -> Result<Parsed, 
     if points.missing > 0 {
         warnings.push(left_out(points.missing));
     }
-    let mut attributes = Attributes::default();
-    if points.width.is_some_and(|width| width > 3) {
-        attributes.push_scalar("intensity", points.intensities).map_err(Error::shape)?;
-    }
-    if points.width == Some(7) {
-        attributes.set_colours(Some(Colours::Rgb(points.colours)));
-    }
-    if scan > 1 {
-        attributes.push_scalar("scan", points.scans).map_err(Error::shape)?;
-    }
-    let cloud = PointCloud::new(points.positions).with_attributes(attributes).map_err(Error::shape)?;
+    let width = points.width;
+    let cloud = points.into_cloud(width, scan > 1)?;
     Ok(Parsed { scans, ..Parsed::cloud(Format::Ptx, cloud, warnings) })
 }
 
@@ -172,6 +163,31 @@ impl Head {
 }
 
 impl Points {
+    /// Adds a point by the numbers of its line: 3, 4, or 7 with a colour that is one.
+    pub(crate) fn push(&mut self, head: &Head, numbers: &[f64], scan: u32) {
+        self.positions.push(head.place([numbers[0], numbers[1], numbers[2]]));
+        self.scans.push(f64::from(scan));
+        self.intensities.extend(numbers.get(3));
+        if let Some(&[r, g, b]) = numbers.get(4..7) {
+            self.colours.push([r, g, b].map(crate::columns::to_byte));
+        }
+    }
+
+    /// The points as a cloud, by the numbers per line of the file, and with their scans if there are several.
+    pub(crate) fn into_cloud(self, width: Option<usize>, has_several: bool) -> Result<PointCloud, Error> {
+        let mut attributes = Attributes::default();
+        if width.is_some_and(|width| width > 3) {
+            attributes.push_scalar("intensity", self.intensities).map_err(Error::shape)?;
+        }
+        if width == Some(7) {
+            attributes.set_colours(Some(Colours::Rgb(self.colours)));
+        }
+        if has_several {
+            attributes.push_scalar("scan", self.scans).map_err(Error::shape)?;
+        }
+        PointCloud::new(self.positions).with_attributes(attributes).map_err(Error::shape)
+    }
+
     /// Forgets the points behind the first `count`.
     fn truncate(&mut self, count: usize) {
         self.positions.truncate(count);
@@ -208,18 +224,13 @@ impl Points {
                 self.missing += 1;
                 continue;
             }
-            self.positions.push(head.place([numbers[0], numbers[1], numbers[2]]));
-            self.scans.push(f64::from(scan));
-            if let Some(&intensity) = numbers.get(3) {
-                self.intensities.push(intensity);
+            if let Some(&[r, g, b]) = numbers.get(4..7)
+                && ![r, g, b].iter().all(|value| (0.0..=255.0).contains(value))
+            {
+                let what = format!("{r} {g} {b} is no colour of 0 to 255");
+                return Err(source.line_error(at, what, EXPORT));
             }
-            if let Some(&[r, g, b]) = numbers.get(4..7) {
-                if ![r, g, b].iter().all(|value| (0.0..=255.0).contains(value)) {
-                    let what = format!("{r} {g} {b} is no colour of 0 to 255");
-                    return Err(source.line_error(at, what, EXPORT));
-                }
-                self.colours.push([r, g, b].map(crate::columns::to_byte));
-            }
+            self.push(head, &numbers, scan);
         }
         Ok(())
     }

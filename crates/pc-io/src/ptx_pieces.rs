@@ -3,14 +3,13 @@
 use std::fs::File;
 use std::io::{self, Seek, SeekFrom};
 
-use nalgebra::Point3;
-
-use crate::ReadOptions;
+use crate::parsed::Parsed;
 use crate::pieces::{Piece, Taker};
-use crate::ptx::{Head, left_out, not_rigid, numbers};
+use crate::ptx::{Head, Points, left_out, not_rigid, numbers};
 use crate::scans::{Scan, chosen};
 use crate::source::Source;
 use crate::text_lines::TextLines;
+use crate::{Error, Format, ReadOptions};
 
 /// Lines of a head: two counts and a pose.
 const HEAD_LINES: usize = 10;
@@ -20,6 +19,9 @@ const HEAD_LINES: usize = 10;
 pub(crate) struct Grids {
     pub(crate) warnings: Vec<String>,
     pub(crate) scans: Vec<Scan>,
+    /// Numbers per line.
+    width: Option<usize>,
+    has_several: bool,
 }
 
 /// What a way through a file tells.
@@ -31,12 +33,14 @@ struct Survey {
     missing: usize,
     /// Scans in the file.
     count: u32,
+    /// Numbers per line.
+    width: Option<usize>,
 }
 
 impl Grids {
     /// Looks through a file; `None` where anything is wrong, which is said when it is read as a whole.
     pub(crate) fn survey(file: &File, options: &ReadOptions) -> io::Result<Option<Self>> {
-        let Some(mut found) = visit(file, options, &mut |_| true)? else { return Ok(None) };
+        let Some(mut found) = visit(file, options, &mut |_, _, _| true)? else { return Ok(None) };
         let choice = options.scan.as_deref();
         if chosen(choice, &vec![None; found.count as usize]).is_err() {
             return Ok(None);
@@ -44,7 +48,8 @@ impl Grids {
         if found.missing > 0 {
             found.warnings.push(left_out(found.missing));
         }
-        Ok(Some(Self { warnings: found.warnings, scans: found.scans }))
+        let Survey { warnings, scans, count, width, .. } = found;
+        Ok(Some(Self { warnings, scans, width, has_several: count > 1 }))
     }
 
     /// Hands the points over.
@@ -57,28 +62,68 @@ impl Grids {
     ) -> io::Result<()> {
         let mut piece = Piece::default();
         let mut goes_on = true;
-        let found = visit(file, options, &mut |point| {
-            piece.positions.push(point);
+        let found = visit(file, options, &mut |head, numbers, _| {
+            piece.positions.push(head.place([numbers[0], numbers[1], numbers[2]]));
             if piece.positions.len() == limit {
                 goes_on = taker.give(std::mem::take(&mut piece));
             }
             goes_on
         })?;
-        if goes_on && found.is_none_or(|found| found.scans != self.scans) {
-            return Err(io::Error::new(io::ErrorKind::InvalidData, "the file has changed while it was read"));
+        if goes_on {
+            self.check_same(found.as_ref())?;
         }
         if goes_on && !piece.positions.is_empty() {
             taker.give(piece);
         }
         Ok(())
     }
+
+    /// Hands the points over with all that they carry, as long as `take` wants more.
+    pub(crate) fn read_clouds(
+        &self,
+        file: &File,
+        options: &ReadOptions,
+        limit: usize,
+        take: &mut dyn FnMut(Parsed) -> Result<bool, Error>,
+    ) -> io::Result<Result<(), Error>> {
+        let mut give = |points: &mut Points| -> Result<bool, Error> {
+            let cloud = std::mem::take(points).into_cloud(self.width, self.has_several)?;
+            let parsed = Parsed::cloud(Format::Ptx, cloud, self.warnings.clone());
+            take(Parsed { scans: self.scans.clone(), ..parsed })
+        };
+        let mut points = Points::default();
+        let mut goes_on = Ok(true);
+        let found = visit(file, options, &mut |head, numbers, scan| {
+            points.push(head, numbers, scan);
+            if points.positions.len() == limit {
+                goes_on = give(&mut points);
+            }
+            matches!(goes_on, Ok(true))
+        })?;
+        if matches!(goes_on, Ok(true)) {
+            self.check_same(found.as_ref())?;
+            if !points.positions.is_empty() {
+                goes_on = give(&mut points);
+            }
+        }
+        Ok(goes_on.map(|_| ()))
+    }
+
+    /// Makes sure that a second way through the file told what the first one did.
+    fn check_same(&self, found: Option<&Survey>) -> io::Result<()> {
+        if found.is_some_and(|found| found.scans == self.scans) {
+            return Ok(());
+        }
+        Err(io::Error::new(io::ErrorKind::InvalidData, "the file has changed while it was read"))
+    }
 }
 
-/// Visits the points of the chosen scans until `take` says that it is enough; `None` where anything is wrong.
+/// Visits the points of the chosen scans, by the numbers of their lines, until `take` says that it is enough; `None` where anything is
+/// wrong.
 fn visit(
     file: &File,
     options: &ReadOptions,
-    take: &mut dyn FnMut(Point3<f64>) -> bool,
+    take: &mut dyn FnMut(&Head, &[f64], u32) -> bool,
 ) -> io::Result<Option<Survey>> {
     let choice = options.scan.as_deref();
     let wanted = choice.and_then(|choice| choice.parse::<u32>().ok());
@@ -91,7 +136,7 @@ fn visit(
         Err(error) => Err(error),
     };
     let mut found = Survey::default();
-    let (mut line_number, mut width) = (0usize, None);
+    let mut line_number = 0usize;
     loop {
         let Some(line) = next()? else { return Ok(Some(found)) };
         line_number += 1;
@@ -119,7 +164,8 @@ fn visit(
             let Some(line) = next()? else { return Ok(None) };
             line_number += 1;
             let Some(numbers) = numbers(&line).filter(|numbers| {
-                matches!(numbers.len(), 3 | 4 | 7) && *width.get_or_insert(numbers.len()) == numbers.len()
+                matches!(numbers.len(), 3 | 4 | 7)
+                    && *found.width.get_or_insert(numbers.len()) == numbers.len()
             }) else {
                 return Ok(None);
             };
@@ -131,7 +177,7 @@ fn visit(
                 return Ok(None);
             }
             points += 1;
-            if is_wanted && !take(head.place([numbers[0], numbers[1], numbers[2]])) {
+            if is_wanted && !take(&head, &numbers, found.count) {
                 return Ok(Some(found));
             }
         }

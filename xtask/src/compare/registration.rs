@@ -1,4 +1,4 @@
-//! `cargo xtask compare registration [FIXTURES]`: registrations by Open3D beside those by `indgeo`.
+//! `cargo xtask compare registration [FIXTURES]`: registrations by `Open3D` beside those by `indgeo`.
 //!
 //! The script `xtask/compare/open3d_registration.py` makes the clouds and takes the times; `PYTHON` names the interpreter, in which
 //! open3d must be installed. FIXTURES is a folder with `mesh/bunny.obj`, and with two clouds of a lidar in `registration/small_gicp`

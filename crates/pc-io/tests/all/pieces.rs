@@ -259,6 +259,10 @@ fn clouds_in_pieces_have_the_attributes_and_the_bytes_of_the_whole() {
         std::fs::write(path(name), text).unwrap();
         names.push(name.to_owned());
     }
+    for (name, scans) in [("scans.ptx", &[700, 0, 4000][..]), ("one.ptx", &[900])] {
+        std::fs::write(path(name), ptx(scans)).unwrap();
+        names.push(name.to_owned());
+    }
     for name in ["laspy/simple.las", "laspy/simple1_3.las", "laspy/vegetation_1_3.las", "las-rs/autzen.laz"] {
         names.push(fixture(&format!("formats/las/{name}")).display().to_string());
     }
