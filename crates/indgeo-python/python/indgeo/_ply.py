@@ -23,22 +23,23 @@ def write(columns: dict[str, NDArray], triangles: NDArray | None = None) -> byte
         rows[name] = column
     header = ["ply", "format binary_little_endian 1.0", f"element vertex {count}"]
     header += [f"property {_NAMES[np.dtype(kind).str[1:]]} {name}" for name, kind in kinds]
-    body = rows.tobytes()
+    body = [rows.view(np.uint8).data]
     if triangles is not None:
         header += [f"element face {len(triangles)}", "property list uchar uint vertex_indices"]
         faces = np.empty(len(triangles), dtype=[("count", "u1"), ("corners", "<u4", 3)])
         faces["count"] = 3
         faces["corners"] = triangles
-        body += faces.tobytes()
-    return ("\n".join([*header, "end_header"]) + "\n").encode("ascii") + body
+        body.append(faces.view(np.uint8).data)
+    return b"".join([("\n".join([*header, "end_header"]) + "\n").encode("ascii"), *body])
 
 
 class Table:
     """The vertices of a PLY file by column, its triangles, and what its comments say of codes."""
 
     def __init__(self, data: bytes) -> None:
-        head, _, body = data.partition(b"end_header\n")
-        lines = head.decode("utf-8", "replace").splitlines()
+        # The rows are read where they are: copying them takes as long as all the rest.
+        end = data.find(b"end_header\n")
+        lines = data[: max(end, 0)].decode("utf-8", "replace").splitlines()
         self.codes: dict[str, dict[int, str]] = {}
         elements: list[tuple[str, int, list[tuple[str, ...]]]] = []
         for line in lines:
@@ -51,7 +52,7 @@ class Table:
                 elements[-1][2].append(tuple(words[1:]))
         self.columns: dict[str, NDArray] = {}
         self.triangles = np.empty((0, 3), dtype=np.uint32)
-        at = 0
+        body, at = data, end + len(b"end_header\n")
         for name, count, properties in elements:
             if name == "vertex":
                 at = self._vertices(body, at, count, properties)
