@@ -298,7 +298,7 @@ impl<'a> Gathering<'a> {
             *all = union(all, &bounds);
         }
         if self.next == 0 && !self.job.quiet {
-            self.tell_units(positions.len());
+            self.tell_units(path, positions.len());
         }
         let start = Instant::now();
         let first = self.next;
@@ -327,15 +327,31 @@ impl<'a> Gathering<'a> {
         Ok(())
     }
 
-    /// Says before anything is measured that the sizes of model and scan look like those of different units, as far as the first points
-    /// tell: those of a piece may be a small part of the scan.
-    fn tell_units(&mut self, points: usize) {
-        let Some((units, bounds)) = self.setup.units.as_ref().zip(self.gathered.bounds) else { return };
-        let is_whole = points != PIECE;
-        if let Some(warning) = units.warning(bounds.diagonal()).filter(|_| is_whole) {
+    /// Says before anything is measured that the sizes of model and scan look like those of different units; a file that is larger than
+    /// a piece is gone through for its extent.
+    fn tell_units(&mut self, path: &Path, points: usize) {
+        let Some((units, first)) = self.setup.units.as_ref().zip(self.gathered.bounds) else { return };
+        let whole = if points == PIECE { self.extent(path) } else { None };
+        if let Some(warning) = units.warning(whole.unwrap_or(first).diagonal()) {
             let _ = writeln!(std::io::stderr(), "warning: {warning}");
             self.gathered.told = Some(warning);
         }
+    }
+
+    /// The box of the points of a file; `None` where it cannot be read, which is said when its points are.
+    fn extent(&self, path: &Path) -> Option<BoundingBox> {
+        let mut all: Option<BoundingBox> = None;
+        let take = |piece: io::Piece| -> Result<(), Error> {
+            if memory::is_cancelled() {
+                return Err(Error::usage("cancelled", "nothing was written"));
+            }
+            if let Some(more) = BoundingBox::of(&piece.positions) {
+                all = Some(all.map_or(more, |all| union(&all, &more)));
+            }
+            Ok(())
+        };
+        let _report = io::read_pieces(path, &self.job.read_options(), PIECE, take).ok().flatten()?;
+        all
     }
 
     /// Makes sure that there are normals where they are needed, and drops them where they are not.

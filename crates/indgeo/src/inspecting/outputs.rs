@@ -99,7 +99,9 @@ pub(super) fn add_inputs(
     }
     let diagonal = gathered.bounds.map_or(0.0, |bounds| bounds.diagonal());
     let of_units = setup.units.as_ref().and_then(|units| units.warning(diagonal));
-    report.told.extend(gathered.told.iter().filter(|told| of_units.as_ref() == Some(*told)).cloned());
+    if gathered.told.is_some() {
+        report.told.extend(of_units.clone());
+    }
     report.warnings.extend(of_units);
     report.warnings.extend(setup.of_build.iter().cloned());
     Ok(())

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
-use crate::common::{Bench, SQUARE};
+use crate::common::{Bench, SQUARE, fixture};
 use serde_json::Value;
 
 /// Points of more than one piece, near the square of side 2; some are not finite.
@@ -221,4 +221,29 @@ fn samples_of_large_clouds_are_stated() {
     let run = bench.run("register mesh.off scan.ply -o moved.xyz --sample 500 --start given");
     assert!(run.code < 2 && !run.stderr.contains("sample"), "{}", run.stderr);
     assert_eq!(bench.text("moved.xyz").lines().filter(|line| !line.starts_with('#')).count(), 3000);
+}
+
+#[test]
+fn a_mistaken_unit_is_told_before_a_scan_of_several_pieces_is_measured() {
+    let bench = Bench::new();
+    // 25.4 times as large as the part of 74 mm, in rows from one end to the other: no piece alone tells.
+    let count = 150_000u32;
+    let mut scan = format!(
+        "ply\nformat binary_little_endian 1.0\nelement vertex {count}\nproperty double x\nproperty double y\nproperty double z\nend_header\n"
+    )
+    .into_bytes();
+    for i in 0..count {
+        let x = 1880.0 * f64::from(i) / f64::from(count);
+        for value in [x, f64::from(i % 7), f64::from(i % 11)] {
+            scan.extend(value.to_le_bytes());
+        }
+    }
+    bench.put("scan.ply", scan);
+    bench.put("part.step", std::fs::read(fixture("cad/nema-17-bracket.step")).unwrap());
+    let run = bench.run("inspect part.step scan.ply -t 1");
+    let told: Vec<&str> = run.stderr.lines().filter(|line| line.contains("near the 25.4")).collect();
+    assert!(run.code == 1 && told.len() == 1 && told[0].contains("the scan 1880"), "{}", run.stderr);
+    // Nothing is printed where nobody reads, and the report has it.
+    let run = bench.run("inspect part.step scan.ply -t 1 --quiet --json -");
+    assert!(run.report()["warnings"][0].as_str().unwrap().contains("near the 25.4"), "{}", run.stdout);
 }
