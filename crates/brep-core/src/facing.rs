@@ -59,6 +59,13 @@ impl Model {
         if !x.iter().all(|c| c.is_finite()) {
             return None;
         }
+        match self.nearer(x) {
+            Some(near) => self.nearest_facing_to(&near, facing)?.of_far(x),
+            None => self.nearest_facing_to(x, facing),
+        }
+    }
+
+    fn nearest_facing_to(&self, x: &Vector3<f64>, facing: &Facing) -> Option<Foot> {
         let mut best: Option<Foot> = None;
         let mut lower = f64::INFINITY;
         for (index, instance) in self.instances().iter().enumerate() {

@@ -44,6 +44,7 @@ mod edge_curve;
 mod error;
 mod face;
 mod facing;
+mod far;
 mod foot;
 mod jets;
 mod model;

@@ -134,12 +134,19 @@ impl Model {
         &self.bounds
     }
 
-    /// The closest point; `None` for a point that is not finite.
+    /// The closest point; `None` for a point that is not finite, or whose distance is not.
     #[must_use]
     pub fn nearest(&self, x: &Vector3<f64>) -> Option<Foot> {
         if !x.iter().all(|c| c.is_finite()) {
             return None;
         }
+        match self.nearer(x) {
+            Some(near) => self.nearest_to(&near)?.of_far(x),
+            None => self.nearest_to(x),
+        }
+    }
+
+    fn nearest_to(&self, x: &Vector3<f64>) -> Option<Foot> {
         let mut order: Vec<(f64, usize)> =
             self.instances.iter().enumerate().map(|(i, instance)| (instance.bounds.distance(x), i)).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));

@@ -16,8 +16,14 @@ use nalgebra::{Vector2, Vector3};
 /// Factor by which the range of a search for minima may exceed the distance of the carrier.
 const MAX_FACTOR: f64 = 1e13;
 
-/// Share of the distance, and of the size of the part, within which feet count as equally near.
+/// Share of the size of the part within which feet count as equally near.
 const TIE: f64 = 1e-11;
+
+/// Share of the size of the part within which feet that are equally near lie at one place.
+const SAME_PLACE: f64 = 1e-5;
+
+/// What distances are rounded by, as a share of them.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// The best foot so far, those that are as near, and what is proven.
 struct Best {
@@ -44,7 +50,7 @@ impl Best {
 
     /// Distance beyond which nothing matters.
     fn reach(&self) -> f64 {
-        self.distance * (1.0 + TIE) + self.tie
+        self.distance * (1.0 + ROUNDING) + self.tie
     }
 }
 
@@ -88,10 +94,16 @@ impl Part {
         let Best { distance, lower, found, ties, .. } = query.best;
         let Some((on, point)) = found else { return (None, lower) };
         let mut chosen = (on, point, self.sides(on, x, &point));
+        let nearest = point;
         // Where solids touch, faces at one place have opposite normals: inside of one of them is inside.
         for (_, on, point) in ties.into_iter().filter(|t| t.0 <= reach) {
             let sides = self.sides(on, x, &point);
-            if chosen.2.side == Side::Positive && sides.side == Side::Negative && self.is_closed_at(&sides) {
+            let is_there = (point - nearest).norm() <= SAME_PLACE * self.size;
+            if is_there
+                && chosen.2.side == Side::Positive
+                && sides.side == Side::Negative
+                && self.is_closed_at(&sides)
+            {
                 chosen = (on, point, sides);
             }
         }

@@ -219,7 +219,7 @@ impl Target {
                     }));
                 }
                 Ok(threads::map(&points.positions, &cancelled, progress, |x| {
-                    cad_foot(cad, cad.model.nearest(&x.coords), slack)
+                    cad_foot(cad, x, cad.model.nearest(&x.coords), slack)
                 }))
             }
             Self::Mesh(mesh) => {
@@ -339,13 +339,17 @@ fn facing_cad_foot(cad: &CadModel, x: &Point3<f64>, normal: &Vector3<f64>, angle
         Err(_) => Foot::none(Status::NoNormal),
         Ok(facing) => match cad.model.nearest_facing(&x.coords, &facing) {
             None => Foot::none(Status::NoMatchingFoot),
-            found => cad_foot(cad, found, slack),
+            found => cad_foot(cad, x, found, slack),
         },
     }
 }
 
-fn cad_foot(cad: &CadModel, found: Option<brep::Foot>, slack: f64) -> Foot {
-    let Some(foot) = found else { return Foot::none(Status::InvalidPoint) };
+fn cad_foot(cad: &CadModel, x: &Point3<f64>, found: Option<brep::Foot>, slack: f64) -> Foot {
+    let Some(foot) = found else {
+        // A finite point without a foot is too far away for its distance to be a number: no answer, and not no question.
+        let is_point = x.coords.iter().all(|value| value.is_finite());
+        return Foot::none(if is_point { Status::Diverged } else { Status::InvalidPoint });
+    };
     let status = if foot.gap() > slack {
         Status::Uncertified
     } else if foot.beyond_boundary {

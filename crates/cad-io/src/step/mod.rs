@@ -87,7 +87,7 @@ fn read(bytes: &[u8]) -> Result<ModelDescription, Error> {
         let what = "the file does not begin with ISO-10303-21, as STEP files do".to_owned();
         return Err(malformed(Place::Whole, what, "give a STEP file"));
     }
-    let (model, report) = step_io::read(bytes).map_err(|error| parse_error(&error))?;
+    let (model, report) = step_io::read(bytes).map_err(|error| parse_error(bytes, &error))?;
     let dropped: HashSet<u64> = report.dropped.iter().map(|(number, _)| *number).collect();
     let numbers = EntityNumbers::scan(bytes, &dropped);
     let scene = model.scene();
@@ -158,7 +158,12 @@ fn malformed(place: Place, what: String, advice: &str) -> Error {
     Error::Malformed { location: Location { file: None, place }, what, advice: advice.to_owned() }
 }
 
-fn parse_error(error: &step_io::Error) -> Error {
+fn parse_error(bytes: &[u8], error: &step_io::Error) -> Error {
+    if matches!(error, step_io::Error::UnexpectedEof { .. }) {
+        let last = 1 + bytes.trim_ascii_end().iter().filter(|byte| **byte == b'\n').count();
+        let what = "the file ends in the middle of its data".to_owned();
+        return malformed(Place::Line(last), what, "the file is truncated: export or copy it again");
+    }
     let line = |line: u32| Place::Line(line as usize);
     let place = match error {
         step_io::Error::Lex(e) => line(e.span.line),

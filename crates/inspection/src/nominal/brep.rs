@@ -51,8 +51,9 @@ impl BrepNominal {
 
     /// The deviation along the shortest line, to a face that agrees with the normal of the point where that is asked for.
     pub(super) fn shortest(&self, point: &Point3<f64>, facing: Option<&Facing>) -> Deviation {
+        // The point is finite: its distance is no number.
         let Some(nearest) = self.model.nearest(&point.coords) else {
-            return Deviation::none(Outcome::InvalidPoint);
+            return Deviation::none(Outcome::NotConverged);
         };
         match facing {
             // A face that agrees and is the nearest of all needs no other search.
@@ -79,7 +80,7 @@ impl BrepNominal {
         facing: Option<&Facing>,
     ) -> Deviation {
         let Some(found) = self.model.nearest_on_line(&point.coords, direction, reach, facing) else {
-            return Deviation::none(Outcome::InvalidPoint);
+            return Deviation::none(Outcome::NotConverged);
         };
         let Some(hit) = found.nearest else {
             return match (found.free < f64::INFINITY, found.refused < f64::INFINITY) {
