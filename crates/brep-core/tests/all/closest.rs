@@ -3,6 +3,7 @@
 use crate::shapes::{Builder, cuboid, disc, frame, moved, points};
 use brep_core::description::{Carrier, EdgeCurve, InstanceDescription, Placement};
 use brep_core::{Model, On, Side};
+use footpoint::Facing;
 use nalgebra::{Vector2, Vector3};
 use nurbs_core::{BsplineSurface, Frame, Interval, KnotVector, Sphere};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -332,4 +333,32 @@ fn chosen_faces_are_measured_alone() {
     let foot = model.nearest(&Vector3::new(0.5, 0.5, -2.0)).unwrap();
     assert!((foot.distance - 3.0).abs() < 1e-12, "{foot:?}");
     assert!(!model.parts()[0].shells()[0].is_closed());
+}
+
+#[test]
+fn points_at_any_distance_have_a_side_and_the_right_foot() {
+    let model = cuboid([1.0, 2.0, 3.0]).model();
+    let [low, high] = [Vector3::zeros(), Vector3::new(1.0, 2.0, 3.0)];
+    let facing = Facing::new(&Vector3::x(), 1.0).unwrap();
+    for exponent in [3, 9, 10, 11, 12, 14, 16, 17, 18, 100, 154, 200, 300, 308] {
+        let far = 10f64.powi(exponent);
+        for axis in 0..3 {
+            for (sign, end) in [(-1.0, low[axis]), (1.0, high[axis])] {
+                let mut x = (low + high) * 0.5;
+                x[axis] = sign * far;
+                let foot = model.nearest(&x).unwrap();
+                let expected = (x[axis] - end).abs();
+                assert!((foot.distance / expected - 1.0).abs() < 1e-15, "{x}: {foot:?}");
+                assert_eq!(foot.side, Side::Positive, "{x}: {foot:?}");
+                assert!((foot.point[axis] - end).abs() < 1e-9 && foot.gap() < 1e-9, "{x}: {foot:?}");
+            }
+        }
+        let x = Vector3::new(far, 1.0, 1.5);
+        assert_eq!(model.nearest_facing(&x, &facing).map(|foot| foot.side), Some(Side::Positive));
+    }
+    // A distance that is no number is no answer.
+    assert!(
+        model.nearest(&Vector3::repeat(1.7e308)).is_none()
+            && model.nearest(&Vector3::repeat(f64::NAN)).is_none()
+    );
 }

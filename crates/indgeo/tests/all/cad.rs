@@ -223,3 +223,22 @@ fn each_part_has_its_own_deviations() {
     assert_eq!(run.stdout.matches("  part      ").count(), 3, "{}", run.stdout);
     assert!(bench.text("r.html").contains("id=\"parts\""));
 }
+
+#[test]
+fn a_point_that_is_far_beyond_all_numbers_is_no_reason_to_pass() {
+    let bench = Bench::new();
+    std::fs::copy(BRACKET, bench.path("bracket.step")).unwrap();
+    for (far, outcome) in [("1e200 0 0", "over"), ("1.7e308 1.7e308 1.7e308", "not_converged")] {
+        bench.put("points.xyz", format!("0 20.5 49\n{far}\n"));
+        let run = bench.run("inspect bracket.step points.xyz -t 0.1 --json r.json");
+        assert!(run.code == 1 && run.stdout.contains("FAIL: 1 of 2"), "{outcome}: {}", run.stdout);
+    }
+    let run = bench.run("project bracket.step points.xyz -o out.csv");
+    assert!(run.code == 1 && run.stderr.contains("1 of 2 points did not converge"), "{}", run.stderr);
+    // Cut off in the middle: where.
+    let bytes = std::fs::read(BRACKET).unwrap();
+    bench.put("cut.step", &bytes[..bytes.len() / 3]);
+    let run = bench.run("info cut.step");
+    let is_told = run.stderr.contains("cut.step:") && run.stderr.contains("truncated");
+    assert!(run.code == 2 && is_told, "{}", run.stderr);
+}
