@@ -211,15 +211,14 @@ impl Target {
             Self::Cad(cad) => {
                 points.in_space(path)?;
                 let cancelled = Foot::none(Status::Cancelled);
-                let slack = cad_slack(cad);
                 if let Some((normals, angle)) = normals {
                     let pairs: Vec<_> = points.positions.iter().zip(normals).collect();
                     return Ok(threads::map(&pairs, &cancelled, progress, |(x, normal)| {
-                        facing_cad_foot(cad, x, normal, angle, slack)
+                        facing_cad_foot(cad, x, normal, angle)
                     }));
                 }
                 Ok(threads::map(&points.positions, &cancelled, progress, |x| {
-                    cad_foot(cad, x, cad.model.nearest(&x.coords), slack)
+                    cad_foot(cad, x, cad.model.nearest(&x.coords))
                 }))
             }
             Self::Mesh(mesh) => {
@@ -324,33 +323,44 @@ fn facing_mesh_foot(mesh: &MeshProjector, x: &Point3<f64>, normal: &Vector3<f64>
     }
 }
 
-/// Gap up to which a foot on a CAD model counts as proven: what its edges leave open.
-fn cad_slack(cad: &CadModel) -> f64 {
-    let edges = cad.model.instances().iter().flat_map(|instance| {
-        let part = &cad.model.parts()[instance.part];
-        part.edges().iter().map(|edge| 2.0 * edge.tolerance() * instance.placement.scale)
-    });
-    edges.fold(1e-9 * cad.model.bounds().diagonal(), f64::max)
+/// Share of the diagonal of a CAD model up to which a gap counts as none.
+const CAD_GAP: f64 = 1e-9;
+
+/// Whether nothing is left open about a foot on a CAD model but the strips of the edges around it: those of the faces that hold it.
+fn is_proven(cad: &CadModel, foot: &brep::Foot) -> bool {
+    if foot.gap() <= CAD_GAP * cad.model.bounds().diagonal() {
+        return true;
+    }
+    let Some(instance) = cad.model.instances().get(foot.instance) else { return false };
+    let part = &cad.model.parts()[instance.part];
+    let at_edge: Vec<usize> = match foot.on {
+        On::Edge { edge, .. } | On::Vertex { edge, .. } => part.edges()[edge].faces().collect(),
+        On::Face { .. } | On::Apex { .. } => Vec::new(),
+    };
+    let faces = at_edge.into_iter().chain(foot.face);
+    let edges = faces.flat_map(|face| part.faces()[face].edges());
+    let strip = edges.map(|&edge| 2.0 * part.edges()[edge].tolerance()).fold(0.0, f64::max);
+    foot.gap() <= strip * instance.placement.scale
 }
 
-fn facing_cad_foot(cad: &CadModel, x: &Point3<f64>, normal: &Vector3<f64>, angle: f64, slack: f64) -> Foot {
+fn facing_cad_foot(cad: &CadModel, x: &Point3<f64>, normal: &Vector3<f64>, angle: f64) -> Foot {
     match Facing::new(normal, angle) {
         _ if !x.coords.iter().all(|value| value.is_finite()) => Foot::none(Status::InvalidPoint),
         Err(_) => Foot::none(Status::NoNormal),
         Ok(facing) => match cad.model.nearest_facing(&x.coords, &facing) {
             None => Foot::none(Status::NoMatchingFoot),
-            found => cad_foot(cad, x, found, slack),
+            found => cad_foot(cad, x, found),
         },
     }
 }
 
-fn cad_foot(cad: &CadModel, x: &Point3<f64>, found: Option<brep::Foot>, slack: f64) -> Foot {
+fn cad_foot(cad: &CadModel, x: &Point3<f64>, found: Option<brep::Foot>) -> Foot {
     let Some(foot) = found else {
         // A finite point without a foot is too far away for its distance to be a number: no answer, and not no question.
         let is_point = x.coords.iter().all(|value| value.is_finite());
         return Foot::none(if is_point { Status::Diverged } else { Status::InvalidPoint });
     };
-    let status = if foot.gap() > slack {
+    let status = if !is_proven(cad, &foot) {
         Status::Uncertified
     } else if foot.beyond_boundary {
         Status::OnBoundary

@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._command import Call, IndgeoWarning
-from .results import Registration, Result
+from .results import Registration, _Judged
 
 #: A folder, a glob, a file, or several files; a part of a file is (path, start, stop) with numbers of points from 0.
 Tiles = str | os.PathLike | Sequence[str | os.PathLike | tuple[str | os.PathLike, int, int]]
@@ -51,7 +51,7 @@ class Tile:
 
 
 @dataclass(eq=False)
-class TiledInspection(Result):
+class TiledInspection(_Judged):
     """What an inspection of many tiles found; `report` is that of `indgeo inspect MODEL TILES`.
 
     page: the page (HTML) if one was asked for, as bytes; it was written to the file as well.
@@ -62,29 +62,9 @@ class TiledInspection(Result):
     page: bytes | None = field(default=None, repr=False)
 
     @property
-    def within_tolerance(self) -> bool:
-        """Whether enough points are within the tolerance."""
-        return self.report["results"]["within_tolerance"]
-
-    @property
-    def share_within(self) -> float:
-        """Share of the judged points that are, 0 to 1."""
-        return self.report["results"]["share_within"]
-
-    @property
     def points(self) -> int:
         """Number of points that were read."""
         return self.report["results"]["points"]
-
-    @property
-    def rms(self) -> float | None:
-        """Root mean square deviation, in the unit of the files."""
-        return self.report["results"]["rms"]
-
-    @property
-    def max(self) -> float | None:
-        """Largest deviation without its sign, in the unit of the files."""
-        return self.report["results"]["max"]
 
     def _rows(self) -> list[tuple[str, Any]]:
         return [("points", self.points), ("within", self.share_within), ("rms", self.rms), ("max", self.max)]

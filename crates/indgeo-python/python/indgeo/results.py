@@ -104,18 +104,8 @@ class Projection(_PerPoint):
         return [("points", len(self.distance)), ("rms", self.rms), ("max", self.max)]
 
 
-@dataclass(eq=False)
-class Inspection(_PerPoint):
-    """Deviations of points from a model, judged by a tolerance.
-
-    deviation (N,): in the unit of the files, positive on the side of the normals; NaN for points that were not measured.
-    foot (N, 3): where each was measured.
-    outcome (N,): `within`, `under`, `over`, or why a point was not measured, as in the column `result` of the command line.
-    """
-
-    deviation: NDArray[np.float64] = field(repr=False)
-    foot: NDArray[np.float64] = field(repr=False)
-    outcome: NDArray = field(repr=False)
+class _Judged(Result):
+    """What inspections have in common, of points in memory and of tiles."""
 
     @property
     def within_tolerance(self) -> bool:
@@ -136,6 +126,20 @@ class Inspection(_PerPoint):
     def max(self) -> float | None:
         """Largest deviation, without its sign."""
         return self.report["results"]["max"]
+
+
+@dataclass(eq=False)
+class Inspection(_PerPoint, _Judged):
+    """Deviations of points from a model, judged by a tolerance.
+
+    deviation (N,): in the unit of the files, positive on the side of the normals; NaN for points that were not measured.
+    foot (N, 3): where each was measured.
+    outcome (N,): `within`, `under`, `over`, or why a point was not measured, as in the column `result` of the command line.
+    """
+
+    deviation: NDArray[np.float64] = field(repr=False)
+    foot: NDArray[np.float64] = field(repr=False)
+    outcome: NDArray = field(repr=False)
 
     def _rows(self) -> list[tuple[str, Any]]:
         return [

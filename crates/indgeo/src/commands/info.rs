@@ -48,70 +48,18 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
     let options =
         ReadOptions::default().with_decimal_comma(args.decimal_comma).with_scan(Some(args.scan.clone()));
     for path in &args.files {
-        match Timings::measure(&mut timings.read, || CadModel::read(path, &Choice::default())) {
-            Ok(None) => {}
-            Ok(Some(cad)) => {
-                let mut fact = json!({ "path": path.to_string_lossy() });
-                if let (Value::Object(fact), Value::Object(more)) = (&mut fact, cad.describe()) {
-                    fact.extend(more);
-                }
-                let mut input = Loaded::of_cad(cad, path).input(path);
-                input.role = "file";
-                report.add_input(input);
+        match facts_of(path, &options, &mut timings, report) {
+            Ok(fact) => {
                 // Writing to memory cannot fail.
                 let _ = write_text(&mut summary, &fact);
                 facts.push(fact);
-                continue;
             }
-            Err(error) => {
-                facts.push(json!({ "path": path.to_string_lossy(), "error": error.to_string() }));
-                errors.push(error);
-                continue;
-            }
-        }
-        match Timings::measure(&mut timings.read, || converting_pieces::describe(path, &options)) {
-            Ok(None) => {}
-            Ok(Some(found)) => {
-                let mut fact =
-                    json!({ "path": path.to_string_lossy(), "format": found.read.format.extension() });
-                let more = json!({
-                    "kind": "cloud",
-                    "dimension": 3,
-                    "points": found.read.points,
-                    "non_finite": found.read.non_finite,
-                    "attributes": attributes(&found.attributes),
-                    "bounding_box": bounds(found.bounds),
-                });
-                if let (Value::Object(fact), Value::Object(more)) = (&mut fact, more) {
-                    fact.extend(more);
-                    insert_scans(fact, &found.read);
-                }
-                told(path, &found.read, report);
-                // Writing to memory cannot fail.
-                let _ = write_text(&mut summary, &fact);
-                facts.push(fact);
-                continue;
-            }
-            Err(error) => {
-                facts.push(json!({ "path": path.to_string_lossy(), "error": error.to_string() }));
-                errors.push(error);
-                continue;
-            }
-        }
-        let loaded = match Timings::measure(&mut timings.read, || files::read(path, &options)) {
-            Ok(loaded) => loaded,
             Err(error) => {
                 // The other files are told about nevertheless.
                 facts.push(json!({ "path": path.to_string_lossy(), "error": error.to_string() }));
                 errors.push(error);
-                continue;
             }
-        };
-        told(path, &loaded.report, report);
-        let fact = describe(path, &loaded.content, &loaded.report);
-        // Writing to memory cannot fail.
-        let _ = write_text(&mut summary, &fact);
-        facts.push(fact);
+        }
     }
     report.timings = timings;
     report.results = Some(Results::Files(facts));
@@ -125,24 +73,81 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
     Err(Error::Files { errors })
 }
 
+/// The facts about a file, as the report has them: a CAD model, a cloud that is read piece by piece, or what is read as a whole.
+fn facts_of(
+    path: &Path,
+    options: &ReadOptions,
+    timings: &mut Timings,
+    report: &mut Report,
+) -> Result<Value, Error> {
+    if let Some(cad) = Timings::measure(&mut timings.read, || CadModel::read(path, &Choice::default()))? {
+        let more = cad.describe();
+        let mut input = Loaded::of_cad(cad, path).input(path);
+        input.role = "file";
+        report.add_input(input);
+        return Ok(with_path(path, json!({}), more));
+    }
+    if let Some(found) = Timings::measure(&mut timings.read, || converting_pieces::describe(path, options))? {
+        told(path, &found.read, report);
+        let more = describe_cloud(3, &found.read, found.read.points, &found.attributes, found.bounds);
+        return Ok(with_reading(path, &found.read, more));
+    }
+    let loaded = Timings::measure(&mut timings.read, || files::read(path, options))?;
+    told(path, &loaded.report, report);
+    Ok(describe(path, &loaded.content, &loaded.report))
+}
+
+/// Facts behind the path of the file, and some more that come first.
+fn with_path(path: &Path, first: Value, more: Value) -> Value {
+    let mut fact = json!({ "path": path.to_string_lossy() });
+    if let Value::Object(fact) = &mut fact {
+        for part in [first, more] {
+            if let Value::Object(part) = part {
+                fact.extend(part);
+            }
+        }
+    }
+    fact
+}
+
+/// The same with the format, and the scans of a file of several.
+fn with_reading(path: &Path, read: &ReadReport, more: Value) -> Value {
+    let mut fact = with_path(path, json!({ "format": read.format.extension() }), more);
+    if let Value::Object(fact) = &mut fact {
+        insert_scans(fact, read);
+    }
+    fact
+}
+
+fn describe_cloud(
+    dimension: usize,
+    read: &ReadReport,
+    points: usize,
+    of_points: &Attributes,
+    bounding_box: Option<BoundingBox>,
+) -> Value {
+    json!({
+        "kind": "cloud",
+        "dimension": dimension,
+        "points": points,
+        "non_finite": read.non_finite,
+        "attributes": attributes(of_points),
+        "bounding_box": bounds(bounding_box),
+    })
+}
+
 /// Adds a file that was read, and what the reader said.
 fn told(path: &Path, read: &ReadReport, report: &mut Report) {
     report.add_input(Input::new("file", path, read));
     report.warnings.extend(read.warnings.iter().map(|warning| format!("{}: {warning}", path.display())));
 }
 
-/// The facts about a file, as the report has them.
+/// The facts about a file that was read as a whole.
 fn describe(path: &Path, content: &Content, report: &ReadReport) -> Value {
-    let mut fact = json!({ "path": path.to_string_lossy(), "format": report.format.extension() });
     let more = match content {
-        Content::Cloud(cloud) => json!({
-            "kind": "cloud",
-            "dimension": cloud.dimension(),
-            "points": cloud.len(),
-            "non_finite": report.non_finite,
-            "attributes": attributes(cloud.attributes()),
-            "bounding_box": bounds(cloud.bounding_box()),
-        }),
+        Content::Cloud(cloud) => {
+            describe_cloud(cloud.dimension(), report, cloud.len(), cloud.attributes(), cloud.bounding_box())
+        }
         Content::Mesh(mesh) => describe_mesh(mesh, report),
         Content::Nurbs(model) => {
             let shapes = model.shapes().iter().enumerate();
@@ -151,11 +156,7 @@ fn describe(path: &Path, content: &Content, report: &ReadReport) -> Value {
             json!({ "kind": "nurbs", "shapes": shapes })
         }
     };
-    if let (Value::Object(fact), Value::Object(more)) = (&mut fact, more) {
-        fact.extend(more);
-        insert_scans(fact, report);
-    }
-    fact
+    with_reading(path, report, more)
 }
 
 /// Adds the scans of a file of several.

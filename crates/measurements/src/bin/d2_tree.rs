@@ -12,14 +12,14 @@ use std::time::Instant;
 const COUNT: usize = 100_000;
 const ROUNDS: usize = 7;
 
-fn main() {
-    let knots = |n| KnotVector::uniform_clamped(3, n).expect("valid knots");
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let knots = |n| KnotVector::uniform_clamped(3, n);
     let net = (0..20 * 12)
         .map(|k| (f64::from(k / 12) / 19.0, f64::from(k % 12) / 11.0))
         .map(|(x, y)| Vector3::new(2.0 * x - 1.0, 1.2 * y - 0.6, 0.1 * (6.0 * x).sin() * (5.0 * y).cos()))
         .collect();
-    let surface = BsplineSurface::new(knots(20), knots(12), net, None).expect("valid surface");
-    let field = SurfaceField::new(&surface).expect("finite surface");
+    let surface = BsplineSurface::new(knots(20)?, knots(12)?, net, None)?;
+    let field = SurfaceField::new(&surface)?;
     let diagonal = field.bounding_box().diagonal();
 
     let spread = |i: usize, step: f64| (i as f64 * step).fract();
@@ -41,7 +41,7 @@ fn main() {
     for tolerance in [1e-2, 3e-3, 1e-3] {
         let start = Instant::now();
         let options = D2TreeOptions::default().with_tolerance(tolerance).with_margin(0.05);
-        let tree = D2Tree::new(field.clone(), &options).expect("valid options");
+        let tree = D2Tree::new(field.clone(), &options)?;
         let (build, report) = (start.elapsed().as_secs_f64(), *tree.report());
         let (query, frames) = time(&tree, &moved, Search::Global, &[]);
         let mut errors: Vec<f64> = frames
@@ -59,6 +59,7 @@ fn main() {
             errors[COUNT * 99 / 100],
         );
     }
+    Ok(())
 }
 
 /// The least time per query over several rounds, and the frames.
