@@ -1,3 +1,6 @@
+import warnings
+from pathlib import Path
+
 import numpy as np
 import pytest
 from shapes import quarter_circle, rotation, square, wave
@@ -117,3 +120,34 @@ def test_normals_choose_the_side_of_a_thin_wall():
     down = indgeo.Cloud(points, normals=[[0, 0, -1.0]])
     assert abs(indgeo.project(wall, points).distance[0]) == pytest.approx(0.01)
     assert abs(indgeo.project(wall, down, max_angle=60).distance[0]) == pytest.approx(0.02)
+
+
+def test_vectors_of_a_result_are_used_where_they_lie():
+    points = np.random.default_rng(5).uniform(-0.2, 1.2, (300, 3))
+    feet = indgeo.project(wave(), points)
+    assert list(feet.columns)[:9] == ["x", "y", "z", "foot_x", "foot_y", "foot_z", "distance", "shape", "u"]
+    assert np.array_equal(np.stack([feet.columns[name] for name in "xyz"], axis=1), points)
+    assert feet.foot.flags.c_contiguous and feet.foot.flags.aligned and feet.foot.flags.writeable
+    assert np.shares_memory(feet.foot, feet.columns["foot_y"]) and np.shares_memory(feet.parameter, feet.columns["v"])
+    assert feet.columns["shape"].dtype == np.int32 and (feet.columns["shape"] == 0).all()
+    assert np.abs(np.linalg.norm(points - feet.foot, axis=1) - np.abs(feet.distance)).max() < 1e-14
+    assert np.abs(wave().evaluate(feet.parameter) - feet.foot).max() < 1e-14
+
+
+def test_names_of_points_come_back(tmp_path):
+    path = tmp_path / "named.csv"
+    path.write_text("name,x,y,z\nbore 1,0.5,0.5,0.25\n,0.25,0.5,-1\nÖse,0.1,0.2,0.5\n", encoding="utf-8")
+    feet = indgeo.project(square(), path)
+    assert list(feet.columns["name"]) == ["bore 1", "", "Öse"]
+    assert list(feet.distance) == [0.25, -1.0, 0.5]
+
+
+def test_places_on_a_part_are_words():
+    part = Path(__file__).parents[3] / "fixtures" / "cad" / "nema-17-bracket.step"
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        points = indgeo.tessellate(part, chord=5.0).vertices[:50]
+    feet = indgeo.project(part, points + 1e-3)
+    assert set(feet.columns["on"]) <= {"face", "edge", "vertex"}
+    assert {"inside", "outside"} <= set(feet.columns["side"]) <= {"inside", "outside", "none"}
+    assert set(feet.point_status) <= {"converged", "on_boundary"}

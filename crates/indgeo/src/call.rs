@@ -3,7 +3,7 @@
 use crate::args::Cli;
 use crate::commands::{self, Outcome};
 use crate::error::Error;
-use crate::memory::{Surroundings, without_mark};
+use crate::memory::{Input, Surroundings, without_mark};
 use crate::report::Report;
 use crate::threads;
 use crate::watch::Watch;
@@ -40,10 +40,19 @@ pub struct Called {
 
 /// Runs a command as the program `indgeo` does: `arguments` are those of the command line, without the name of the program.
 ///
-/// Paths made by [`memory_path`](crate::memory_path) stand for `inputs`, by name, and for outputs that come back. Nothing is
-/// printed; progress and a request to stop go through `watch`. After such a request nothing more is written.
+/// Paths made by [`memory_path`](crate::memory_path) stand for `inputs`, by name, which are read where they are, and for outputs
+/// that come back. Nothing is printed; progress and a request to stop go through `watch`. After such a request nothing more is
+/// written.
 #[must_use]
-pub fn call(arguments: &[String], inputs: BTreeMap<String, Vec<u8>>, watch: &Arc<Watch>) -> Called {
+pub fn call<B>(arguments: &[String], inputs: BTreeMap<String, B>, watch: &Arc<Watch>) -> Called
+where
+    B: AsRef<[u8]> + Send + Sync + 'static,
+{
+    let inputs = inputs.into_iter().map(|(name, bytes)| (name, Box::new(bytes) as Input)).collect();
+    call_with(arguments, inputs, watch)
+}
+
+fn call_with(arguments: &[String], inputs: BTreeMap<String, Input>, watch: &Arc<Watch>) -> Called {
     let cli = match Cli::of_arguments(arguments) {
         Ok(cli) => cli,
         Err(error) => {

@@ -18,10 +18,12 @@ pub fn memory_path(name: &str) -> String {
     format!("{MARK}{name}")
 }
 
+/// The bytes of an input, whoever owns them.
+pub(crate) type Input = Box<dyn AsRef<[u8]> + Send + Sync>;
+
 /// What belongs to a call: its files in memory, and who watches it.
-#[derive(Debug)]
 pub(crate) struct Surroundings {
-    inputs: BTreeMap<String, Vec<u8>>,
+    inputs: BTreeMap<String, Input>,
     outputs: Mutex<BTreeMap<String, Vec<u8>>>,
     watch: Arc<Watch>,
 }
@@ -33,7 +35,7 @@ thread_local! {
 
 impl Surroundings {
     /// A call with these inputs.
-    pub(crate) fn new(inputs: BTreeMap<String, Vec<u8>>, watch: Arc<Watch>) -> Arc<Self> {
+    pub(crate) fn new(inputs: BTreeMap<String, Input>, watch: Arc<Watch>) -> Arc<Self> {
         Arc::new(Self { inputs, outputs: Mutex::default(), watch })
     }
 
@@ -78,7 +80,7 @@ pub(crate) fn is_memory(path: &Path) -> bool {
 pub(crate) fn read<T>(path: &Path, read: impl FnOnce(&[u8], &Path) -> T) -> Option<T> {
     let name = name(path)?;
     let present = present()?;
-    present.inputs.get(name).map(|bytes| read(bytes, Path::new(name)))
+    present.inputs.get(name).map(|bytes| read((**bytes).as_ref(), Path::new(name)))
 }
 
 /// Keeps the bytes of an output.

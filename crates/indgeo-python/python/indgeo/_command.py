@@ -10,8 +10,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from . import _indgeo, _ply
+from . import _columns, _indgeo, _ply
 from .clouds import Cloud, Mesh, _points
 from .shapes import Curve, Model, Surface
 
@@ -30,10 +31,19 @@ class Ended:
     report: dict[str, Any]
     summary: str
     warnings: tuple[str, ...]
-    outputs: dict[str, bytes]
+    outputs: dict[str, NDArray[np.uint8]]
 
-    def table(self, name: str) -> _ply.Table:
-        return _ply.Table(self.outputs[name])
+    def data(self, name: str) -> bytes:
+        return self.outputs[name].tobytes()
+
+    def text(self, name: str) -> str:
+        return self.data(name).decode()
+
+    def points(self, name: str) -> _ply.Table:
+        return _ply.Table(self.data(name))
+
+    def table(self, name: str) -> _columns.Table:
+        return _columns.Table(self.outputs[name])
 
 
 class Call:

@@ -1,8 +1,6 @@
-"""Binary PLY in memory: the form in which arrays go to a command and come back."""
+"""Binary PLY in memory: the form in which points and triangles go to a command and come back."""
 
 from __future__ import annotations
-
-import re
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,14 +11,23 @@ _NAMES = {"f8": "double", "f4": "float", "i4": "int", "u4": "uint", "u1": "uchar
 
 def write(columns: dict[str, NDArray], triangles: NDArray | None = None) -> bytes:
     """Columns of numbers of equal length, and triangles (M, 3) over them."""
-    count = len(next(iter(columns.values())))
     kinds = []
     for name, column in columns.items():
         kind = np.dtype(column.dtype).str[1:]
         kinds.append((name, "<" + kind if kind in _NAMES else "<f8"))
-    rows = np.empty(count, dtype=kinds)
+    rows = np.empty(len(next(iter(columns.values()))), dtype=kinds)
     for name, column in columns.items():
         rows[name] = column
+    return _written(kinds, rows, triangles)
+
+
+def write_points(points: NDArray[np.float64], triangles: NDArray | None = None) -> bytes:
+    """Coordinates (N, 3) in rows, and triangles (M, 3) over them."""
+    return _written([(name, "<f8") for name in "xyz"], np.ascontiguousarray(points, dtype="<f8"), triangles)
+
+
+def _written(kinds: list[tuple[str, str]], rows: NDArray, triangles: NDArray | None) -> bytes:
+    count = len(rows)
     header = ["ply", "format binary_little_endian 1.0", f"element vertex {count}"]
     header += [f"property {_NAMES[np.dtype(kind).str[1:]]} {name}" for name, kind in kinds]
     body = [rows.view(np.uint8).data]
@@ -34,19 +41,16 @@ def write(columns: dict[str, NDArray], triangles: NDArray | None = None) -> byte
 
 
 class Table:
-    """The vertices of a PLY file by column, its triangles, and what its comments say of codes."""
+    """The vertices of a PLY file by column, and its triangles."""
 
     def __init__(self, data: bytes) -> None:
         # The rows are read where they are: copying them takes as long as all the rest.
         end = data.find(b"end_header\n")
         lines = data[: max(end, 0)].decode("utf-8", "replace").splitlines()
-        self.codes: dict[str, dict[int, str]] = {}
         elements: list[tuple[str, int, list[tuple[str, ...]]]] = []
         for line in lines:
             words = line.split()
-            if words[:1] == ["comment"]:
-                self._comment(line[len("comment ") :])
-            elif words[:1] == ["element"]:
+            if words[:1] == ["element"]:
                 elements.append((words[1], int(words[2]), []))
             elif words[:1] == ["property"]:
                 elements[-1][2].append(tuple(words[1:]))
@@ -61,12 +65,6 @@ class Table:
                 faces = np.frombuffer(body, dtype=kind, count=count, offset=at)
                 self.triangles = faces["corners"].copy()
                 at += count * kind.itemsize
-
-    def _comment(self, text: str) -> None:
-        name, colon, rest = text.partition(": ")
-        pairs = re.findall(r"(\d+) ([a-z_]+)", rest)
-        if colon and pairs:
-            self.codes[name] = {int(code): word for code, word in pairs}
 
     def _vertices(self, body: bytes, at: int, count: int, properties: list[tuple[str, ...]]) -> int:
         fixed = [(name[-1], _KINDS[name[0]]) for name in properties if name[0] != "list"]
@@ -90,12 +88,6 @@ class Table:
         self.columns = {name: rows[name].copy() for name, _ in fixed}
         self.columns[lists[0][-1]] = np.array(labels, dtype=object)
         return at
-
-    def words(self, name: str) -> NDArray:
-        """A column of codes as the words that they stand for."""
-        codes = self.codes.get(name, {})
-        words = np.array([codes.get(code, str(code)) for code in range(256)])
-        return words[self.columns[name]]
 
     def stack(self, *names: str) -> NDArray[np.float64]:
         """Columns side by side, (N, number of names); those that are missing are left out."""

@@ -55,6 +55,8 @@ class Cloud:
         if self.points.shape[1] == 2:
             # Two columns say that the points lie in the plane; only text can.
             return "".join(f"{x!r} {y!r}\n" for x, y in self.points.tolist()).encode("ascii")
+        if self.normals is None and not self.columns:
+            return _ply.write_points(self.points)
         columns = dict(zip("xyz", self.points.T))
         if self.normals is not None:
             columns |= dict(zip(("nx", "ny", "nz"), self.normals.T))
@@ -99,7 +101,7 @@ class Mesh:
         self.triangles = np.ascontiguousarray(triangles, dtype=np.uint32)
 
     def _data(self) -> bytes:
-        return _ply.write(dict(zip("xyz", self.vertices.T)), self.triangles)
+        return _ply.write_points(self.vertices, self.triangles)
 
     @staticmethod
     def from_trimesh(mesh: Any) -> Mesh:

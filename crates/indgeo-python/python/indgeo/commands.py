@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import os
 import tempfile
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -20,8 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._command import Call, Progress
-from ._ply import Table
+from ._command import Call, IndgeoWarning, Progress
 from .clouds import Cloud, Mesh
 from .results import CurveFit, Inspection, Parameterization, Projection, Registration, Result, SurfaceFit, Views
 from .shapes import Curve, Model, Surface
@@ -49,10 +49,10 @@ def read(
     name = "content.json" if found["shapes"] else "content.ply"
     call = Call("convert")
     call.arguments += [call._path(path, "path", "a path"), call.memory(name)]
-    data = call.options(options).run().outputs[name]
+    ended = call.options(options).run()
     if found["shapes"]:
-        return Model.from_json(data.decode())
-    table = Table(data)
+        return Model.from_json(ended.text(name))
+    table = ended.points(name)
     points = table.stack("x", "y", "z")
     if len(table.triangles):
         return Mesh(points, table.triangles)
@@ -81,19 +81,17 @@ def project(
     array([1.82842712])
     """
     call = Call("project").model(model).points(points)
-    call.options({"out": call.memory("feet.ply"), "mode": mode, "max_angle": max_angle, "threads": threads, **options})
+    call.options({"out": call.memory("feet.columns"), "mode": mode, "max_angle": max_angle, "threads": threads, **options})
     ended = call.run(progress)
-    table = ended.table("feet.ply")
-    columns = dict(table.columns)
-    columns["status"] = table.words("status")
-    count = len(columns["status"])
+    table = ended.table("feet.columns")
+    columns = table.with_words()
     parameter = table.stack("t") if "t" in columns else table.stack("u", "v")
     return Projection(
         columns=columns,
         distance=columns["distance"],
         foot=table.stack("foot_x", "foot_y", "foot_z"),
         parameter=parameter,
-        shape=columns.get("shape", np.zeros(count, dtype=np.int32)),
+        shape=columns.get("shape", np.zeros(table.rows, dtype=np.int32)),
         lower_bound=columns["lower_bound"],
         point_status=columns["status"],
     )._of(ended)
@@ -121,11 +119,11 @@ def inspect(
     report: writes a page (HTML) with the map of the deviations.
     """
     call = Call("inspect").model(model).points(points).matrix("transform", transform)
-    call.options({"out": call.memory("deviations.ply"), "tolerance": tolerance, "lower": lower, "upper": upper})
+    call.options({"out": call.memory("deviations.columns"), "tolerance": tolerance, "lower": lower, "upper": upper})
     call.options({"min_share": min_share, "max_angle": max_angle, "report": report, "threads": threads, **options})
     ended = call.run(progress)
-    table = ended.table("deviations.ply")
-    columns = {name: table.words(name) if name in table.codes else column for name, column in table.columns.items()}
+    table = ended.table("deviations.columns")
+    columns = table.with_words()
     return Inspection(
         columns=columns,
         deviation=columns["distance"],
@@ -207,7 +205,7 @@ def fit_curve(
     call.options({"out": call.memory("curve.json"), "tolerance": tolerance, "control_points": control_points, **shape})
     call.options({"init": _shape(call, init), "threads": threads, **options})
     ended = call.run(progress)
-    return CurveFit(model=_model(ended.outputs["curve.json"]))._of(ended)
+    return CurveFit(model=Model.from_json(ended.text("curve.json")))._of(ended)
 
 
 def fit_surface(
@@ -228,7 +226,7 @@ def fit_surface(
     call.options({"out": call.memory("surface.json"), "tolerance": tolerance, "control_points": _pair(control_points)})
     call.options({"init": _shape(call, init), "threads": threads, **options})
     ended = call.run(progress)
-    return SurfaceFit(surface=_model(ended.outputs["surface.json"])[0])._of(ended)  # type: ignore[arg-type]
+    return SurfaceFit(surface=Model.from_json(ended.text("surface.json"))[0])._of(ended)  # type: ignore[arg-type]
 
 
 def parameterize(
@@ -245,15 +243,14 @@ def parameterize(
     shape: `auto`, or the kind of base surface. axis (3,): the direction around which a tube is laid.
     """
     call = Call("parameterize").points(points)
-    call.options({"out": call.memory("base.json"), "params": call.memory("uv.ply"), "shape": shape, "threads": threads})
+    call.options({"out": call.memory("base.json"), "params": call.memory("uv.columns"), "shape": shape, "threads": threads})
     call.options({"axis": None if axis is None else np.asarray(axis, dtype=np.float64), **options})
     ended = call.run(progress)
-    table = ended.table("uv.ply")
-    columns = dict(table.columns)
-    columns["status"] = table.words("status")
+    table = ended.table("uv.columns")
+    columns = table.with_words()
     return Parameterization(
         columns=columns,
-        base=_model(ended.outputs["base.json"])[0],  # type: ignore[arg-type]
+        base=Model.from_json(ended.text("base.json"))[0],  # type: ignore[arg-type]
         parameter=table.stack("u", "v"),
         distance=columns["distance"],
         used=columns["used"].astype(bool),
@@ -280,10 +277,13 @@ def command(name: str, *arguments: Any, threads: int | None = None, progress: Pr
 
 
 def tessellate(model: AnyModel, *, chord: float | None = None) -> Mesh:
-    """Triangles that stay within `chord` of the surfaces of a model; a thousandth of its size without."""
+    """Triangles that stay within `chord` of the surfaces of a model, in its unit; a thousandth of its size without."""
     call = Call("convert").model(model)
     call.arguments.append(call.memory("mesh.ply"))
-    table = call.option("chord", chord).run().table("mesh.ply")
+    with warnings.catch_warnings():
+        # Arrays have no unit.
+        warnings.filterwarnings("ignore", ".* which this format does not state", IndgeoWarning)
+        table = call.option("chord", chord).run().points("mesh.ply")
     return Mesh(table.stack("x", "y", "z"), table.triangles)
 
 
@@ -302,10 +302,6 @@ def _shape(call: Call, init: Any) -> Any:
     if isinstance(init, (Curve, Surface)):
         return call._input("init", init.to_json().encode())
     return init
-
-
-def _model(data: bytes) -> Model:
-    return Model.from_json(data.decode())
 
 
 __all__ = [

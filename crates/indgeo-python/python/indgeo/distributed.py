@@ -256,7 +256,7 @@ def _part(task: tuple[str, str, Tile, Any, dict[str, Any]], where: bool) -> byte
         # The merged result tells them.
         warnings.simplefilter("ignore", IndgeoWarning)
         try:
-            return call.run().outputs["partial.json"]
+            return call.run().data("partial.json")
         except (ValueError, OSError) as error:
             if where:
                 raise type(error)(f"{error} (tile {tile}, on {socket.gethostname()})") from None

@@ -1,6 +1,7 @@
 //! Results in files: one row per point, in the order of the input.
 
 mod cloud;
+mod columns;
 mod csv;
 mod deviations;
 mod json;
@@ -18,6 +19,7 @@ pub(crate) use table::{Layout, Table};
 
 use crate::error::Error;
 use crate::files;
+use crate::memory;
 use clap::ValueEnum;
 use industrial_geometry::io;
 use std::path::Path;
@@ -39,12 +41,15 @@ pub(crate) enum Format {
     E57,
     /// Binary glTF: points or triangles with normals and colours, no other columns
     Glb,
+    /// One array after the other, for callers from another language
+    #[value(skip)]
+    Columns,
 }
 
 impl Format {
     /// Whether a viewer shows the colours of the rows.
     pub(crate) fn has_colours(self) -> bool {
-        !matches!(self, Self::Csv | Self::Json)
+        !matches!(self, Self::Csv | Self::Json | Self::Columns)
     }
 
     /// The format that was asked for, or that of the extension; CSV on standard output.
@@ -60,6 +65,7 @@ impl Format {
             "laz" => Ok(Self::Laz),
             "e57" => Ok(Self::E57),
             "glb" => Ok(Self::Glb),
+            "columns" if memory::is_memory(path) => Ok(Self::Columns),
             "" => Err(Error::content(path, "the name has no extension", ADVICE)),
             other => Err(Error::content(path, format!("results are not written as `.{other}`"), ADVICE)),
         }
@@ -85,6 +91,7 @@ pub(crate) fn write(path: &Path, format: Format, table: &dyn Rows) -> Result<Wri
             Format::Csv => return csv::write(out, table),
             Format::Ply => return ply::write(out, table),
             Format::Json => return json::write(out, table),
+            Format::Columns => return columns::write(out, table),
             Format::Las => io::Format::Las,
             Format::Laz => io::Format::Laz,
             Format::E57 => io::Format::E57,

@@ -1,6 +1,6 @@
 //! PLY with the results as properties of the vertices.
 
-use super::rows::{Cell, NAME, Rows};
+use super::rows::{Cell, NAME, Rows, append_cell};
 use crate::threads;
 use std::io::{self, Write};
 
@@ -30,15 +30,7 @@ pub(super) fn write_rows(out: &mut dyn Write, table: &dyn Rows, is_long: bool) -
     threads::write_rows(out, table.count(), |rows, bytes| {
         for row in rows {
             for column in 0..names.len() {
-                match table.cell(row, column) {
-                    Cell::Given(value) | Cell::Number(value) => bytes.extend(value.to_le_bytes()),
-                    Cell::Index(index) => {
-                        let index = index.and_then(|index| i32::try_from(index).ok()).unwrap_or(-1);
-                        bytes.extend(index.to_le_bytes());
-                    }
-                    Cell::Name(_, code) => bytes.push(code),
-                    Cell::Byte(value) => bytes.push(value),
-                }
+                append_cell(bytes, table.cell(row, column));
             }
             if let Some(name) = labels.map(|labels| labels.get(row).unwrap_or_default()) {
                 let length = u32::try_from(name.len()).unwrap_or(u32::MAX).to_le_bytes();

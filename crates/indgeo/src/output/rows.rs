@@ -44,3 +44,16 @@ pub(super) fn append_number(bytes: &mut Vec<u8>, value: f64) {
     // Writing to memory cannot fail.
     let _ = write_number(bytes, value);
 }
+
+/// The value of a cell in binary files: little endian, −1 for no index.
+pub(super) fn append_cell(bytes: &mut Vec<u8>, cell: Cell) {
+    match cell {
+        Cell::Given(value) | Cell::Number(value) => bytes.extend(value.to_le_bytes()),
+        Cell::Index(index) => {
+            let index = index.and_then(|index| i32::try_from(index).ok()).unwrap_or(-1);
+            bytes.extend(index.to_le_bytes());
+        }
+        Cell::Name(_, code) => bytes.push(code),
+        Cell::Byte(value) => bytes.push(value),
+    }
+}
