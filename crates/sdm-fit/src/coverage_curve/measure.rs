@@ -206,9 +206,11 @@ pub(crate) fn of_curve<const D: usize>(
             continue;
         }
         let detour = gap.length - gap.chord > hook && gap.length > DETOUR * gap.chord && limits.gap.is_none();
-        let bends = gap.length > SHARP * found.spacing + SLACK * found.noise
-            && limits.gap.is_none()
-            && chords.turn(gap.from, gap.length) > TURN;
+        let turn = chords.turn(gap.from, gap.length);
+        let own = gap.length - SLACK * found.noise;
+        let bends = limits.gap.is_none()
+            && own > SHARP * found.spacing
+            && (turn > TURN || undetermined(own, turn) > usual);
         if gap.length <= local.get(k).map_or(found.limit, |l| l.max(found.limit)) && !detour && !bends {
             polygon += gap.chord;
             continue;
@@ -250,6 +252,12 @@ pub(crate) fn of_curve<const D: usize>(
     }
     found.spread_out = spreads(&stops, points, total, closed);
     found
+}
+
+/// How far the true curve may be from a stretch without points of this length on which the curve turns by this angle: up to the corner of the tangents
+/// at its ends.
+fn undetermined(length: f64, turn: f64) -> f64 {
+    0.5 * length.max(0.0) * (0.5 * turn.min(std::f64::consts::PI)).tan().abs()
 }
 
 /// A stretch between the feet of neighbours, or between an end and the first or last foot.
@@ -365,5 +373,39 @@ mod tests {
         assert!(seen(&|x| 0.3 * (0.25 * x).sin()).holds());
         let noise = seen(&|x| 2.0 * ((x * 0.618_034).fract() - 0.5));
         assert!(!noise.unresolved, "{noise:?}");
+    }
+
+    #[test]
+    fn long_gaps_may_be_where_the_curve_is_straight_but_not_at_a_corner() {
+        let knots = KnotVector::uniform_clamped(1, 3).unwrap();
+        let corners = vec![Vector2::new(0.0, 0.0), Vector2::new(80.0, 0.0), Vector2::new(80.0, 80.0)];
+        let curve = BsplineCurve::new(knots, corners, None).unwrap();
+        let mut state = 7u64;
+        let mut gap = || {
+            state = state.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
+            -(((state >> 33) as f64 + 0.5) / 2f64.powi(31)).ln()
+        };
+        let lengths: Vec<f64> = (0..400)
+            .scan(0.0, |sum, _| {
+                *sum += gap().min(4.0);
+                Some(*sum)
+            })
+            .take_while(|length| *length < 160.0)
+            .collect();
+        // Eight spacings without points around some place.
+        let seen = |middle: f64| {
+            let kept = lengths.iter().filter(|length| (**length - middle).abs() > 4.0);
+            let points: Vec<_> = kept.map(|&s| Vector2::new(s.min(80.0), (s - 80.0).max(0.0))).collect();
+            let feet = CurveProjector::new(&curve).project_all(&points);
+            of_curve(&curve, &points, &feet, Limits { free_ends: true, ..Limits::default() })
+        };
+        let straight = seen(40.0);
+        assert!(straight.holds() && straight.max > 3.5 * straight.spacing, "{straight:?}");
+        let corner = seen(80.0);
+        assert_eq!(corner.without_data.len(), 1, "{corner:?}");
+        assert!(
+            (corner.without_data[0].from..corner.without_data[0].to)
+                .contains(&curve.knots().domain().lerp(0.5))
+        );
     }
 }

@@ -21,8 +21,11 @@ const LEAST: usize = 40;
 /// Mean squared difference of neighbours along the curve in units of the mean square from which on they are different: 2 for noise.
 const ALIKE: f64 = 1.0;
 /// Mean fourth power of distances in units of the square of their mean square below which there are few in the middle: 3 for a normal and 1.8 for a
-/// uniform distribution in the plane, 2 and 1.33 in space; 1 for two lines beside the curve, or a tube about it.
+/// uniform distribution in the plane, 2 and 1.33 in space; 1 for two lines beside the curve, or a tube about it. In the mean of all neighbourhoods.
 const KURTOSIS: [f64; 2] = [1.6, 1.25];
+/// In those of a share of the length: elsewhere the lines may come together.
+const APART: f64 = 0.3;
+const KURTOSIS_APART: [f64; 2] = [1.5, 1.2];
 /// Points next to each other along the curve whose distances are compared.
 const AROUND: usize = 24;
 /// Neighbours of which the nearest at another place is taken, width of a cloud in units of its standard deviation, and distance of its points as a share
@@ -67,17 +70,23 @@ pub(super) fn spreads<const D: usize>(
     foreign as f64 > FOREIGN * all as f64
 }
 
-/// Mean fourth power of the distances in units of the square of their mean square, each by those of its neighbours: what lies beside the curve may come
-/// nearer to it and end on it.
-fn flatness<const D: usize>(stops: &[Stop<D>]) -> f64 {
-    let parts = stops.chunks(AROUND).filter(|part| 2 * part.len() > AROUND).map(|part| {
-        let count = part.len() as f64;
-        let square = part.iter().map(|s| s.residual.norm_squared()).sum::<f64>() / count;
-        let fourth = part.iter().map(|s| s.residual.norm_squared().powi(2)).sum::<f64>();
-        (fourth / (square * square).max(f64::MIN_POSITIVE), count)
-    });
-    let (sum, count) = parts.fold((0.0, 0.0), |sum, part| (sum.0 + part.0, sum.1 + part.1));
-    sum / f64::max(count, 1.0)
+/// Whether there are few points in the middle along the curve: in the mean, or along a share of it. Distances are in units of those of their neighbours:
+/// what lies beside the curve may come nearer to it and end on it.
+fn is_hollow<const D: usize>(stops: &[Stop<D>], [mean, apart]: [f64; 2]) -> bool {
+    let (mut sum, mut count) = (0.0, 0.0);
+    let (mut beside, mut length) = (0.0, 0.0);
+    for part in stops.chunks(AROUND).filter(|part| 2 * part.len() > AROUND) {
+        let own = part.len() as f64;
+        let square = part.iter().map(|s| s.residual.norm_squared()).sum::<f64>() / own;
+        let fourth = part.iter().map(|s| s.residual.norm_squared().powi(2)).sum::<f64>() / own;
+        let kurtosis = fourth / (square * square).max(f64::MIN_POSITIVE);
+        sum += kurtosis * own;
+        count += own;
+        let part_length = part[part.len() - 1].at - part[0].at;
+        length += part_length;
+        beside += if kurtosis < apart { part_length } else { 0.0 };
+    }
+    sum < mean * count || beside > APART * length
 }
 
 /// Whether the points lie beside the curve rather than about it: on both sides of it with few in the middle, or on thin lines.
@@ -92,8 +101,8 @@ fn in_lanes<const D: usize>(
     spacing: f64,
 ) -> bool {
     let kurtosis = match D {
-        2 => KURTOSIS[0],
-        3 => KURTOSIS[1],
+        2 => [KURTOSIS[0], KURTOSIS_APART[0]],
+        3 => [KURTOSIS[1], KURTOSIS_APART[1]],
         _ => return false,
     };
     if rms <= WIDE * spacing || stops.len() < LEAST {
@@ -104,7 +113,7 @@ fn in_lanes<const D: usize>(
     if changes < ALIKE * count * rms * rms {
         return false;
     }
-    if flatness(stops) < kurtosis {
+    if is_hollow(stops, kurtosis) {
         return true;
     }
     let stride = places.len().div_ceil(LOOKED_AT).max(1);

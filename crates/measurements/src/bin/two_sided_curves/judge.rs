@@ -93,7 +93,7 @@ pub(crate) fn distance(truth: &Truth, points: &[Vector2<f64>], sigma: f64, fitte
     let cell = (0.02 * truth.size()).max(2.0 * spacing);
     let all = || truth.pieces.iter().flatten().copied();
     let data = Cells::new(points.iter().copied(), cell);
-    let widest = all().step_by(7).map(|p| data.distance(&p)).fold(0.0, f64::max);
+    let widest = all().map(|p| data.distance(&p)).fold(0.0, f64::max);
     let allowed = (NEAR * sigma).max(NEAR * spacing).max(widest);
     let found: Vec<Vector2<f64>> = fitted.iter().flat_map(Spline::places).collect();
     let (truths, curves) = (Cells::new(all(), cell), Cells::new(found.iter().copied(), cell));
