@@ -64,6 +64,7 @@ mod registration_field;
 mod registration_model;
 mod registration_page;
 mod registration_report;
+mod registration_sight;
 mod registration_starts;
 mod registration_step;
 mod registration_verdict;

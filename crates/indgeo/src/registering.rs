@@ -11,6 +11,7 @@ use crate::registration_field::{Extent, RegistrationField, locks_fit_the_plane};
 use crate::registration_model::RegistrationModel;
 use crate::registration_page::{self, Page};
 use crate::registration_report::{self as found, Checks, RegistrationResults, StartResult};
+use crate::registration_sight::Sights;
 use crate::registration_starts::{Tries, Try, register_all, search_space};
 use crate::registration_verdict as verdict;
 use crate::report::{Input, ModelSummary, Output, Report, Results, Timings};
@@ -114,6 +115,10 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Registered, Erro
     report.add_input(Input::new("points", job.points, &loaded.report));
     let content = loaded.content;
     warn(job, &loaded.report, report);
+    let sights = match &content {
+        Content::Cloud(cloud) => Sights::new(&model, [&read, &loaded.report], cloud),
+        Content::Mesh(_) | Content::Nurbs(_) => Sights::default(),
+    };
     let is_planar = model.is_planar();
     if is_planar && !locks_fit_the_plane(&job.options) {
         return Err(Error::usage("a lock of tz, rx or ry has no effect in the plane", "lock tx, ty or rz"));
@@ -158,7 +163,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Registered, Erro
 
     let progress = Progress::iterations("registering", job.quiet);
     let began = Instant::now();
-    let solution = solve(job, &model, &field, &cloud, given, &progress)?;
+    let solution = solve(job, &model, &field, &cloud, &sights, given, &progress)?;
     timings.compute = began.elapsed().as_secs_f64();
     drop(progress);
     report.timings = timings;
@@ -262,10 +267,11 @@ fn solve(
     model: &RegistrationModel,
     field: &RegistrationField,
     cloud: &Cloud<'_>,
+    sights: &Sights,
     given: Option<Vec<Pose<3>>>,
     progress: &Progress,
 ) -> Result<Solution, Error> {
-    let mut tries = Tries::new(job, model, field, cloud, progress);
+    let mut tries = Tries::new(job, model, field, cloud, sights, progress);
     match &given {
         Some(poses) => {
             let extent = if poses.len() > 1 { Extent::Some } else { Extent::All };
@@ -290,7 +296,7 @@ fn solve(
                     search_space(job, model, field, cloud, progress)?
                 };
                 for pose in &found {
-                    tries.add("search", pose, Extent::Some)?;
+                    tries.add_found(pose)?;
                     if tries.last_is_good() {
                         break;
                     }
@@ -313,7 +319,7 @@ fn solve(
         let group = field.symmetries(&model.samples(job.model)?, tolerance);
         (result, equivalent) = verdict::nearest(&group, result, &from, &cloud.positions, again)?;
     }
-    let (result, checks) = verdict::checked(model, field, result, &cloud.positions, cloud.normals);
+    let (result, checks) = verdict::checked(model, field, result, &cloud.positions, sights);
     Ok(Solution { starts, best, start, result, equivalent, checks })
 }
 

@@ -14,6 +14,8 @@ use std::ops::ControlFlow;
 const NEAR: f64 = 0.012;
 /// The same within which it may belong there.
 const EXACT: f64 = 0.004;
+/// Points, at least, that tell of a position whether it is hopeless.
+const FEW: usize = 800;
 /// Points by which poses are compared.
 const COMPARED: usize = 4000;
 
@@ -128,6 +130,16 @@ impl RegistrationField {
             match extent {
                 Extent::All => register_with_progress(field, source, start, options, progress).map(Some),
                 Extent::Some => register_some(field, source, start, options, progress),
+                Extent::Few => {
+                    let coarse_points = options.coarse_points.min(FEW);
+                    register_some(
+                        field,
+                        source,
+                        start,
+                        &RegisterOptions { coarse_points, ..*options },
+                        progress,
+                    )
+                }
             }
         }
         match self {
@@ -148,6 +160,7 @@ impl RegistrationField {
 pub(crate) enum Extent {
     All,
     Some,
+    Few,
 }
 
 /// A pose of the plane out of one of space.

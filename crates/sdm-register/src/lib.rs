@@ -71,7 +71,7 @@ pub use datum::{DatumReport, DatumTarget, align_datum, align_datum_from_anywhere
 pub use error::Error;
 pub use flat::is_flat;
 pub use free_motion::FreeMotion;
-pub use free_space::{FreeSpace, Viewpoint};
+pub use free_space::{FreeSpace, Rays, Viewpoint};
 pub use iterate::Progress;
 pub use method::{FootpointPolicy, Method, StepControl};
 pub use motion::{Displacement, Pose, Velocity, rotation};
