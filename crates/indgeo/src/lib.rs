@@ -62,6 +62,7 @@ mod registering;
 mod registering_views;
 mod registration_field;
 mod registration_model;
+mod registration_near;
 mod registration_page;
 mod registration_report;
 mod registration_sight;

@@ -6,7 +6,7 @@ use industrial_geometry::nurbs::Aabb;
 use industrial_geometry::register::start::OrientedPoints;
 use industrial_geometry::register::{
     Covariance, Error, FreeMotion, Locks, Pose, RegisterOptions, RegisterReport, Source, StepRecord,
-    register_some, register_with_progress, symmetries,
+    register_some, register_with_progress, symmetries_and_near,
 };
 use std::ops::ControlFlow;
 
@@ -87,11 +87,15 @@ impl RegistrationField {
         Fit { score: sum / count, near: near as f64 / count, overlap: (overlap / count).clamp(0.0, 1.0) }
     }
 
-    /// The motions that carry a model in space into itself but for a tolerance, the identity first.
-    pub(crate) fn symmetries(&self, samples: &OrientedPoints, abs_tolerance: f64) -> Vec<Pose<3>> {
+    /// The motions that carry a model in space into itself but for a tolerance, the identity first, and those that nearly do.
+    pub(crate) fn symmetries(
+        &self,
+        samples: &OrientedPoints,
+        abs_tolerance: f64,
+    ) -> (Vec<Pose<3>>, Vec<Pose<3>>) {
         match self {
-            Self::Plane(_) => vec![Pose::identity()],
-            Self::Space(field) => symmetries(field.as_ref(), samples, abs_tolerance),
+            Self::Plane(_) => (vec![Pose::identity()], Vec::new()),
+            Self::Space(field) => symmetries_and_near(field.as_ref(), samples, abs_tolerance),
         }
     }
 

@@ -230,6 +230,20 @@ pub(crate) fn register_all(
     found.ok_or_else(|| Error::content(job.points, "there are no points", "check it with `indgeo info`"))
 }
 
+/// The registration of as many points as tell whether a position is worth while.
+pub(crate) fn register_few(
+    job: &Job<'_>,
+    field: &RegistrationField,
+    cloud: &Cloud<'_>,
+    start: &Pose<3>,
+    progress: &Progress,
+) -> Result<RegisterReport<3>, Error> {
+    match register(job, field, cloud, start, Extent::Few, progress)? {
+        Some(report) => Ok(report),
+        None => register_all(job, field, cloud, start, progress),
+    }
+}
+
 fn register(
     job: &Job<'_>,
     field: &RegistrationField,

@@ -232,4 +232,14 @@ mod tests {
         assert_eq!(Viewpoint::of_normals(&[]), None);
         assert_eq!(Viewpoint::of_normals(&[Vector3::repeat(f64::NAN)]), None);
     }
+
+    #[test]
+    fn places_of_scanners_that_a_scan_contradicts_are_not_believed() {
+        // Two walls one behind the other, seen from between them, and from in front of both.
+        let both: Vec<_> = wall(0.0).into_iter().chain(wall(30.0)).collect();
+        let between = Viewpoint::Origin(Vector3::new(25.0, 25.0, 15.0));
+        let in_front = Viewpoint::Origin(Vector3::new(25.0, 25.0, 90.0));
+        assert!(Rays::consistent(&both, &between, 1.0).is_some());
+        assert!(Rays::new(&both, &in_front).is_some() && Rays::consistent(&both, &in_front, 1.0).is_none());
+    }
 }

@@ -126,7 +126,7 @@ impl<'a, const D: usize> Plan<'a, D> {
         if !outcome.status.is_converged() || outcome.view.frames.len() != self.cloud.points.len() {
             return outcome;
         }
-        let fields = self.problem.free_fields(&outcome, &self.cloud);
+        let (fields, tolerance) = self.problem.free_fields(&outcome, &self.cloud);
         let Some(pose) = slide_back(&self.cloud.points, &outcome.view.pose, start, &fields) else {
             return outcome;
         };
@@ -135,7 +135,7 @@ impl<'a, const D: usize> Plan<'a, D> {
         let view = self.problem.view(&self.cloud, pose);
         // The motions that were undone are not made again.
         let given = self.null_tolerance;
-        self.null_tolerance = given.max(HARDLY_FIXED);
+        self.null_tolerance = given.max(HARDLY_FIXED).max(tolerance);
         let other = match self.last {
             Last::Fit(rule) => self.fit_all(view, rule),
             Last::Cut => self.cut(view),

@@ -7,6 +7,8 @@ use crate::parallel;
 
 /// Eigenvalues of the system below this share of the largest belong to motions that nothing resists.
 const FREE_SHARE: f64 = 1e-7;
+/// Pivots of its factor below this share of the largest element of the diagonal make it worth while to look for such motions.
+const SUSPICIOUS: f64 = 1e-4;
 
 /// Normal equations of one directed pair: `JᵀWJ`, `JᵀWd`, `Σ w d²`, `Σ w`.
 struct Block {
@@ -73,9 +75,17 @@ impl System {
 
     /// The twist `(c, c̄)` of each view, 0 for those that are held; `None` if the system has no solution.
     ///
-    /// Motions that nothing resists are damped to nothing.
+    /// Motions that nothing resists are not made.
     pub(crate) fn solve(&self) -> Option<Vec<Vector6<f64>>> {
-        let solution = self.factor(1e-12)?.solve(&-&self.gradient);
+        let factor = self.factor(1e-12);
+        let is_weak = factor.as_ref().is_none_or(|factor| {
+            let pivots = factor.l_dirty().diagonal().map(|pivot| pivot * pivot);
+            pivots.min() <= SUSPICIOUS * self.matrix.diagonal().amax()
+        });
+        let solution = match factor {
+            Some(factor) if !is_weak => factor.solve(&-&self.gradient),
+            _ => self.resisted_solution(),
+        };
         if !solution.iter().all(|value| value.is_finite()) {
             return None;
         }
@@ -83,6 +93,24 @@ impl System {
             row.map_or_else(Vector6::zeros, |row| solution.fixed_rows::<6>(row).into_owned())
         };
         Some(self.rows.iter().map(twist).collect())
+    }
+
+    /// The solution without the motions that nothing resists: what else would move the views along them is rounding, or what the
+    /// surfaces between the points are not known to.
+    fn resisted_solution(&self) -> DVector<f64> {
+        if self.matrix.is_empty() {
+            return DVector::zeros(0);
+        }
+        let eigen = self.matrix.clone().symmetric_eigen();
+        let limit = FREE_SHARE * eigen.eigenvalues.max();
+        let right = eigen.eigenvectors.tr_mul(&self.gradient);
+        let inner = right.zip_map(
+            &eigen.eigenvalues,
+            |right, value| {
+                if value > limit { -right / value } else { 0.0 }
+            },
+        );
+        &eigen.eigenvectors * inner
     }
 
     /// Number of independent motions of the views that no distance resists.
