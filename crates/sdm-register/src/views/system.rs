@@ -1,6 +1,6 @@
 //! The system of equations for the motions of all views.
 
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix6, Vector6};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix6, Vector3, Vector6};
 
 use super::matching::Matches;
 use crate::parallel;
@@ -25,6 +25,8 @@ pub(crate) struct System {
     rows: Vec<Option<usize>>,
     matrix: DMatrix<f64>,
     gradient: DVector<f64>,
+    /// The centre of each view, in the frame of the twists.
+    centres: Vec<Vector3<f64>>,
     /// `Σ w d²`.
     pub(crate) cost: f64,
     /// `Σ w`.
@@ -33,7 +35,7 @@ pub(crate) struct System {
 
 impl System {
     /// Sums up the matches, each with Tukey's weight for the distance `limit`; views with `held` do not move.
-    pub(crate) fn new(matches: &[Matches], held: &[bool], limit: f64) -> Self {
+    pub(crate) fn new(matches: &[Matches], held: &[bool], centres: Vec<Vector3<f64>>, limit: f64) -> Self {
         let mut size = 0;
         let rows: Vec<Option<usize>> = held
             .iter()
@@ -49,6 +51,7 @@ impl System {
             rows,
             matrix: DMatrix::zeros(size, size),
             gradient: DVector::zeros(size),
+            centres,
             cost: 0.0,
             weight: 0.0,
         };
@@ -101,16 +104,28 @@ impl System {
         if self.matrix.is_empty() {
             return DVector::zeros(0);
         }
-        let eigen = self.matrix.clone().symmetric_eigen();
+        let about = self.about_centres();
+        let eigen = (about.tr_mul(&self.matrix) * &about).symmetric_eigen();
         let limit = FREE_SHARE * eigen.eigenvalues.max();
-        let right = eigen.eigenvectors.tr_mul(&self.gradient);
+        let right = eigen.eigenvectors.tr_mul(&about.tr_mul(&self.gradient));
         let inner = right.zip_map(
             &eigen.eigenvalues,
             |right, value| {
                 if value > limit { -right / value } else { 0.0 }
             },
         );
-        &eigen.eigenvectors * inner
+        about * (&eigen.eigenvectors * inner)
+    }
+
+    /// Takes turns about the centre of each view, and displacements of it, to twists: far from the origin of these, turns and
+    /// displacements can hardly be told apart.
+    fn about_centres(&self) -> DMatrix<f64> {
+        let mut out = DMatrix::identity(self.matrix.nrows(), self.matrix.nrows());
+        for (row, centre) in self.rows.iter().zip(&self.centres) {
+            let Some(row) = *row else { continue };
+            out.fixed_view_mut::<3, 3>(row + 3, row).copy_from(&centre.cross_matrix());
+        }
+        out
     }
 
     /// Number of independent motions of the views that no distance resists.
@@ -118,7 +133,8 @@ impl System {
         if self.matrix.is_empty() {
             return 0;
         }
-        let values = self.matrix.symmetric_eigenvalues();
+        let about = self.about_centres();
+        let values = (about.tr_mul(&self.matrix) * about).symmetric_eigenvalues();
         let largest = values.max();
         values.iter().filter(|&&value| value <= FREE_SHARE * largest).count()
     }

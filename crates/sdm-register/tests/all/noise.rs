@@ -38,7 +38,7 @@ fn rings(scanner: Vector3<f64>, steps: u32, noise: f64, random: &mut Random) -> 
     let (low, high) = (Vector3::zeros(), Vector3::new(20.0, 12.0, 4.0));
     let mut points = Vec::new();
     for ring in 0..24 {
-        let height = (f64::from(ring) - 11.5) * 0.035;
+        let height = (f64::from(ring) - 11.5) * 0.08;
         for step in 0..steps {
             let angle = std::f64::consts::TAU * (f64::from(step) + 0.37 * f64::from(ring)) / f64::from(steps);
             let ray = Vector3::new(angle.cos(), angle.sin(), height).normalize();
