@@ -253,6 +253,10 @@ impl DistanceField<3> for CloudField {
     fn bounding_box(&self) -> Aabb<3> {
         self.bounds
     }
+
+    fn has_estimated_normals(&self) -> bool {
+        true
+    }
 }
 
 #[cfg(test)]

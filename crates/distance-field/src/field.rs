@@ -34,6 +34,12 @@ pub trait DistanceField<const D: usize>: Sync {
 
     /// A box around the shape, for scales and coarse starts.
     fn bounding_box(&self) -> Aabb<D>;
+
+    /// Whether the normals are estimated from points, and as noisy as these let them be: then they seem to resist motions that slide the
+    /// true shape along itself.
+    fn has_estimated_normals(&self) -> bool {
+        false
+    }
 }
 
 macro_rules! forward {
@@ -53,6 +59,9 @@ macro_rules! forward {
             }
             fn bounding_box(&self) -> Aabb<D> {
                 (**self).bounding_box()
+            }
+            fn has_estimated_normals(&self) -> bool {
+                (**self).has_estimated_normals()
             }
         }
     )*};

@@ -71,9 +71,13 @@ pub(crate) fn principal_axes(
     [x, y]: [Vector3<f64>; 2],
 ) -> ([Vector3<f64>; 2], [f64; 2]) {
     let (mean, half) = (0.5 * (a + c), 0.5 * (a - c));
-    let radius = half.hypot(b);
-    let angle = 0.5 * b.atan2(half);
-    let (sine, cosine) = angle.sin_cos();
+    let square = half * half + b * b;
+    let radius = if square.is_normal() { square.sqrt() } else { half.hypot(b) };
+    // Half of the angle of (half, b), between −90 and 90 degrees: its larger function by the root, the other by their product.
+    let larger = if radius > 0.0 { (0.5 + 0.5 * half.abs() / radius).sqrt() } else { 1.0 };
+    let smaller = if radius > 0.0 { 0.5 * b.abs() / radius / larger } else { 0.0 };
+    let (cosine, sine) = if half < 0.0 { (smaller, larger) } else { (larger, smaller) };
+    let sine = sine.copysign(b);
     ([x * cosine + y * sine, y * cosine - x * sine], [mean + radius, mean - radius])
 }
 
@@ -183,4 +187,37 @@ pub(crate) fn tangents(normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
     reference[normal.iamin()] = 1.0;
     let first = (reference - normal * normal.dot(&reference)).normalize();
     [first, normal.cross(&first)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn principal_axes_are_those_of_the_half_angle() {
+        let tangents = [Vector3::x(), Vector3::y()];
+        for (a, b, c) in [
+            (2.0, 0.5, -1.0),
+            (-1.0, 0.5, 2.0),
+            (-1.0, -0.5, 2.0),
+            (3.0, 0.0, 1.0),
+            (1.0, 0.0, 3.0),
+            (1.0, -0.0, 3.0),
+            (1.0, 2.0, 1.0),
+            (1.0, -2.0, 1.0),
+            (1e-300, 3e-300, -2e-300),
+            (1e300, 3e300, -2e300),
+        ] {
+            let ([first, second], [high, low]) = principal_axes([a, b, c], tangents);
+            let (half, mean) = (0.5 * (a - c), 0.5 * a + 0.5 * c);
+            let (sine, cosine) = (0.5 * b.atan2(half)).sin_cos();
+            let expected = Vector3::new(cosine, sine, 0.0);
+            assert!((first - expected).norm() < 1e-15, "{a} {b} {c}: {first} {expected}");
+            assert!(first.dot(&second).abs() < 1e-16 && second.dot(&tangents[1]) >= 0.0);
+            let size = half.hypot(b);
+            assert!((high - mean - size).abs() <= 1e-15 * size && (mean - low - size).abs() <= 1e-15 * size);
+        }
+        let (axes, curvatures) = principal_axes([4.0, 0.0, 4.0], tangents);
+        assert_eq!((axes, curvatures), (tangents, [4.0, 4.0]));
+    }
 }

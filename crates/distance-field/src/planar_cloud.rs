@@ -192,4 +192,8 @@ impl DistanceField<2> for PlanarCloudField {
     fn bounding_box(&self) -> Aabb<2> {
         self.bounds
     }
+
+    fn has_estimated_normals(&self) -> bool {
+        true
+    }
 }

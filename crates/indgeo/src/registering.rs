@@ -9,9 +9,11 @@ use crate::poses;
 use crate::progress::Progress;
 use crate::registration_field::{Extent, RegistrationField, locks_fit_the_plane};
 use crate::registration_model::RegistrationModel;
+use crate::registration_near::{self as near_symmetry, Others};
 use crate::registration_page::{self, Page};
 use crate::registration_report::{self as found, Checks, RegistrationResults, StartResult};
-use crate::registration_starts::{Tries, Try, register_all, search_space};
+use crate::registration_sight::Sights;
+use crate::registration_starts::{Tries, Try, register_all, register_few, search_space};
 use crate::registration_verdict as verdict;
 use crate::report::{Input, ModelSummary, Output, Report, Results, Timings};
 use crate::sampling;
@@ -114,6 +116,10 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Registered, Erro
     report.add_input(Input::new("points", job.points, &loaded.report));
     let content = loaded.content;
     warn(job, &loaded.report, report);
+    let sights = match &content {
+        Content::Cloud(cloud) => Sights::new(&model, [&read, &loaded.report], cloud),
+        Content::Mesh(_) | Content::Nurbs(_) => Sights::default(),
+    };
     let is_planar = model.is_planar();
     if is_planar && !locks_fit_the_plane(&job.options) {
         return Err(Error::usage("a lock of tz, rx or ry has no effect in the plane", "lock tx, ty or rz"));
@@ -158,12 +164,13 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<Registered, Erro
 
     let progress = Progress::iterations("registering", job.quiet);
     let began = Instant::now();
-    let solution = solve(job, &model, &field, &cloud, given, &progress)?;
+    let solution = solve(job, &model, &field, &cloud, &sights, given, &progress)?;
     timings.compute = began.elapsed().as_secs_f64();
     drop(progress);
     report.timings = timings;
-    let Solution { starts, best, start, result, equivalent, checks } = solution;
+    let Solution { starts, best, start, result, equivalent, others, checks } = solution;
     report.warnings.extend(verdict::warning(&result, &checks, job));
+    report.warnings.extend(others.warning());
     if equivalent.len() > 1 {
         report.warnings.push(format!(
             "the model has {} positions that its shape does not tell apart; this is the one nearest to the start, all are in \
@@ -262,10 +269,11 @@ fn solve(
     model: &RegistrationModel,
     field: &RegistrationField,
     cloud: &Cloud<'_>,
+    sights: &Sights,
     given: Option<Vec<Pose<3>>>,
     progress: &Progress,
 ) -> Result<Solution, Error> {
-    let mut tries = Tries::new(job, model, field, cloud, progress);
+    let mut tries = Tries::new(job, model, field, cloud, sights, progress);
     match &given {
         Some(poses) => {
             let extent = if poses.len() > 1 { Extent::Some } else { Extent::All };
@@ -290,7 +298,7 @@ fn solve(
                     search_space(job, model, field, cloud, progress)?
                 };
                 for pose in &found {
-                    tries.add("search", pose, Extent::Some)?;
+                    tries.add_found(pose)?;
                     if tries.last_is_good() {
                         break;
                     }
@@ -305,16 +313,19 @@ fn solve(
     };
     let starts = tries.list.iter().map(Try::summary).collect();
     let Try { origin, start, result, .. } = tries.list.swap_remove(best);
-    let (mut result, mut equivalent) = (result, Vec::new());
+    let (mut result, mut equivalent, mut others) = (result, Vec::new(), Others::default());
     if verdict::may_be_symmetric(model, &result, &job.options) {
         let tolerance = result.covariance.as_ref().map_or(0.0, |covariance| covariance.sigma);
         let from = if origin == "search" { Pose::identity() } else { start };
         let again = |pose: &Pose<3>| register_all(job, field, cloud, pose, progress);
-        let group = field.symmetries(&model.samples(job.model)?, tolerance);
+        let (group, near) = field.symmetries(&model.samples(job.model)?, tolerance);
+        let few = |pose: &Pose<3>| register_few(job, field, cloud, pose, progress);
+        let score = |pose: &Pose<3>| field.compare(&cloud.positions, pose, job.options.scale).score;
+        (result, others) = near_symmetry::best(&near, result, score, few, again)?;
         (result, equivalent) = verdict::nearest(&group, result, &from, &cloud.positions, again)?;
     }
-    let (result, checks) = verdict::checked(model, field, result, &cloud.positions, cloud.normals);
-    Ok(Solution { starts, best, start, result, equivalent, checks })
+    let (result, checks) = verdict::checked(model, field, result, &cloud.positions, sights);
+    Ok(Solution { starts, best, start, result, equivalent, others, checks })
 }
 
 /// What came of all starts.
@@ -327,6 +338,8 @@ struct Solution {
     result: RegisterReport<3>,
     /// Poses that the model does not tell apart from the result, which is the first of them; none where they were not looked for.
     equivalent: Vec<Pose<3>>,
+    /// What came of positions in which most of the model lies on itself.
+    others: Others,
     checks: Checks,
 }
 

@@ -6,7 +6,7 @@ use industrial_geometry::nurbs::Aabb;
 use industrial_geometry::register::start::OrientedPoints;
 use industrial_geometry::register::{
     Covariance, Error, FreeMotion, Locks, Pose, RegisterOptions, RegisterReport, Source, StepRecord,
-    register_some, register_with_progress, symmetries,
+    register_some, register_with_progress, symmetries_and_near,
 };
 use std::ops::ControlFlow;
 
@@ -14,6 +14,8 @@ use std::ops::ControlFlow;
 const NEAR: f64 = 0.012;
 /// The same within which it may belong there.
 const EXACT: f64 = 0.004;
+/// Points, at least, that tell of a position whether it is hopeless.
+const FEW: usize = 800;
 /// Points by which poses are compared.
 const COMPARED: usize = 4000;
 
@@ -85,11 +87,15 @@ impl RegistrationField {
         Fit { score: sum / count, near: near as f64 / count, overlap: (overlap / count).clamp(0.0, 1.0) }
     }
 
-    /// The motions that carry a model in space into itself but for a tolerance, the identity first.
-    pub(crate) fn symmetries(&self, samples: &OrientedPoints, abs_tolerance: f64) -> Vec<Pose<3>> {
+    /// The motions that carry a model in space into itself but for a tolerance, the identity first, and those that nearly do.
+    pub(crate) fn symmetries(
+        &self,
+        samples: &OrientedPoints,
+        abs_tolerance: f64,
+    ) -> (Vec<Pose<3>>, Vec<Pose<3>>) {
         match self {
-            Self::Plane(_) => vec![Pose::identity()],
-            Self::Space(field) => symmetries(field.as_ref(), samples, abs_tolerance),
+            Self::Plane(_) => (vec![Pose::identity()], Vec::new()),
+            Self::Space(field) => symmetries_and_near(field.as_ref(), samples, abs_tolerance),
         }
     }
 
@@ -128,6 +134,16 @@ impl RegistrationField {
             match extent {
                 Extent::All => register_with_progress(field, source, start, options, progress).map(Some),
                 Extent::Some => register_some(field, source, start, options, progress),
+                Extent::Few => {
+                    let coarse_points = options.coarse_points.min(FEW);
+                    register_some(
+                        field,
+                        source,
+                        start,
+                        &RegisterOptions { coarse_points, ..*options },
+                        progress,
+                    )
+                }
             }
         }
         match self {
@@ -148,6 +164,7 @@ impl RegistrationField {
 pub(crate) enum Extent {
     All,
     Some,
+    Few,
 }
 
 /// A pose of the plane out of one of space.

@@ -6,10 +6,11 @@ use crate::registering::{Cloud, Job};
 use crate::registration_field::{Extent, Fit, RegistrationField};
 use crate::registration_model::RegistrationModel;
 use crate::registration_report::StartResult;
+use crate::registration_sight::Sights;
 use crate::registration_verdict as verdict;
 use crate::wording::counted;
 use industrial_geometry::mesh::nalgebra::Vector3;
-use industrial_geometry::register::start::{OrientedPoints, StartCandidate, StartOptions, coarse_start};
+use industrial_geometry::register::start::{CoarseStart, OrientedPoints, StartCandidate, StartOptions};
 use industrial_geometry::register::{
     Error as RegisterError, Pose, RegisterReport, Rejection, Source, StepRecord,
 };
@@ -21,11 +22,16 @@ const GOOD_SHARE: f64 = 0.9;
 const CANDIDATES: usize = 3;
 /// Share of a cloud that lies on another one exactly, from which clouds are compared by it.
 const LEAST_OVERLAP: f64 = 0.06;
+/// The same of a known position from which others are tried with few points first, and the part of it below which they are hopeless.
+const MUCH_OVERLAP: f64 = 0.15;
+const HOPELESS: f64 = 0.5;
+/// Root mean square displacement, as a share of the size of the model, up to which two positions are one, and points that tell.
+const SAME: f64 = 0.01;
+const COMPARED: usize = 200;
 /// Share of a cloud near the other one in the best position below which they have little in common; the tolerance, as a share of the
-/// size of the model, and the rounds of the search for what fits exactly.
+/// size of the model, by which is judged what fits exactly.
 const LITTLE: f64 = 0.8;
 const EXACT: f64 = 0.004;
-const EXACT_ROUNDS: usize = 20;
 
 /// The starts that were tried.
 pub(crate) struct Tries<'a> {
@@ -33,6 +39,7 @@ pub(crate) struct Tries<'a> {
     model: &'a RegistrationModel,
     field: &'a RegistrationField,
     cloud: &'a Cloud<'a>,
+    sights: &'a Sights,
     progress: &'a Progress,
     pub(crate) list: Vec<Try>,
 }
@@ -43,6 +50,8 @@ pub(crate) struct Try {
     pub(crate) start: Pose<3>,
     pub(crate) result: RegisterReport<3>,
     fit: Fit,
+    /// Whether points float in front of what a scan saw through them.
+    floats: bool,
     seconds: f64,
     /// Whether all points were registered.
     pub(crate) is_complete: bool,
@@ -50,7 +59,7 @@ pub(crate) struct Try {
 
 impl Try {
     pub(crate) fn is_good(&self) -> bool {
-        self.result.is_converged() && self.fit.near >= GOOD_SHARE
+        self.result.is_converged() && !self.floats && self.fit.near >= GOOD_SHARE
     }
 
     pub(crate) fn summary(&self) -> StartResult {
@@ -64,9 +73,10 @@ impl<'a> Tries<'a> {
         model: &'a RegistrationModel,
         field: &'a RegistrationField,
         cloud: &'a Cloud<'a>,
+        sights: &'a Sights,
         progress: &'a Progress,
     ) -> Self {
-        Self { job, model, field, cloud, progress, list: Vec::new() }
+        Self { job, model, field, cloud, sights, progress, list: Vec::new() }
     }
 
     pub(crate) fn add(&mut self, origin: &'static str, start: &Pose<3>, extent: Extent) -> Result<(), Error> {
@@ -74,7 +84,7 @@ impl<'a> Tries<'a> {
         let Self { job, field, cloud, progress, .. } = self;
         let some = match extent {
             Extent::All => None,
-            Extent::Some => register(job, field, cloud, start, extent, progress)?,
+            Extent::Some | Extent::Few => register(job, field, cloud, start, extent, progress)?,
         };
         let is_complete = some.is_none();
         let result = match some {
@@ -83,9 +93,44 @@ impl<'a> Tries<'a> {
         };
         let result = verdict::flat(self.model, &cloud.positions, result);
         let fit = field.compare(&cloud.positions, &result.pose, job.options.scale);
+        let floats = self.sights.contradiction(&result.pose).is_some();
         let seconds = began.elapsed().as_secs_f64();
-        self.list.push(Try { origin, start: *start, result, fit, seconds, is_complete });
+        self.list.push(Try { origin, start: *start, result, fit, floats, seconds, is_complete });
         Ok(())
+    }
+
+    /// Registers from a position that a search found, unless that leads to where another start led, and with few points first where
+    /// a better one is known: most positions turn out hopeless with those.
+    pub(crate) fn add_found(&mut self, start: &Pose<3>) -> Result<(), Error> {
+        let is_known = self.list.iter().any(|one| {
+            let has_led = one.origin == "search" || one.result.is_converged();
+            has_led && (self.is_same(&one.start, start) || self.is_same(&one.result.pose, start))
+        });
+        if is_known {
+            return Ok(());
+        }
+        let known = self.best().filter(|best| best.result.is_converged() && !best.floats);
+        let known = known.filter(|_| self.is_by_overlap()).map(|best| best.fit.overlap);
+        if let Some(overlap) = known.filter(|overlap| *overlap >= MUCH_OVERLAP) {
+            self.add("search", start, Extent::Few)?;
+            let is_hopeless = self.list.last().is_some_and(|few| few.fit.overlap < HOPELESS * overlap);
+            if is_hopeless {
+                return Ok(());
+            }
+            self.list.pop();
+        }
+        self.add("search", start, Extent::Some)
+    }
+
+    /// Whether two poses take the points to nearly the same places.
+    fn is_same(&self, one: &Pose<3>, other: &Pose<3>) -> bool {
+        let points = &self.cloud.positions;
+        let step = points.len().div_ceil(COMPARED).max(1);
+        let finite = points.iter().step_by(step).filter(|x| x.iter().all(|c| c.is_finite()));
+        let (sum, count) = finite.fold((0.0, 0.0), |(sum, count), x| {
+            (sum + (one.apply(x) - other.apply(x)).norm_squared(), count + 1.0)
+        });
+        sum <= (SAME * self.field.diagonal()).powi(2) * count
     }
 
     pub(crate) fn last_is_good(&self) -> bool {
@@ -97,17 +142,22 @@ impl<'a> Tries<'a> {
     /// Clouds need not have much in common: there the share that lies on the other one beyond what chance explains decides, as long as
     /// any has enough of it.
     pub(crate) fn best_index(&self) -> Option<usize> {
-        let most = self.list.iter().map(|one| one.fit.overlap).fold(0.0, f64::max);
-        let by_overlap = matches!(self.model, RegistrationModel::Cloud(_)) && most >= LEAST_OVERLAP;
+        let by_overlap = self.is_by_overlap();
         let rank = |one: &Try| {
             let cost = if by_overlap { -one.fit.overlap } else { one.fit.score };
-            (!one.result.is_converged(), cost)
+            (!one.result.is_converged(), one.floats, cost)
         };
         (0..self.list.len()).reduce(
             |best, i| {
                 if rank(&self.list[i]) < rank(&self.list[best]) { i } else { best }
             },
         )
+    }
+
+    /// Whether starts are compared by what lies on the model beyond chance.
+    fn is_by_overlap(&self) -> bool {
+        let most = self.list.iter().map(|one| one.fit.overlap).fold(0.0, f64::max);
+        matches!(self.model, RegistrationModel::Cloud(_)) && most >= LEAST_OVERLAP
     }
 
     pub(crate) fn best(&self) -> Option<&Try> {
@@ -147,14 +197,16 @@ pub(crate) fn search_space(
     let oriented = oriented.map_err(failed)?;
     let tell = |done: usize, total: usize| progress.part("searching all positions", done, total);
     let samples = model.samples(job.model)?;
-    let found = coarse_start(&samples, &oriented, &StartOptions::default(), &tell).map_err(failed)?;
+    let options = StartOptions::default();
+    let start = CoarseStart::new(&samples, &options).map_err(failed)?;
+    let search = start.look(&oriented, &tell).map_err(failed)?;
+    let found = search.report(options.tolerance).map_err(failed)?;
     let mut poses: Vec<Pose<3>> =
         found.candidates.iter().take(CANDIDATES).map(|candidate| candidate.pose).collect();
-    // Clouds with little in common fit roughly in many ways: what fits exactly is looked for as well.
+    // Clouds with little in common fit roughly in many ways: what fits exactly comes first.
     let is_little = found.best().is_none_or(|best| best.share < LITTLE);
     if matches!(model, RegistrationModel::Cloud(_)) && is_little {
-        let options = StartOptions::default().with_tolerance(EXACT).with_max_rounds(EXACT_ROUNDS);
-        let mut found = coarse_start(&samples, &oriented, &options, &tell).map_err(failed)?;
+        let mut found = search.report(EXACT).map_err(failed)?;
         let excess = |candidate: &StartCandidate| candidate.excess(found.tolerance);
         found.candidates.sort_by(|a, b| excess(b).total_cmp(&excess(a)));
         poses.splice(0..0, found.candidates.iter().take(CANDIDATES).map(|candidate| candidate.pose));
@@ -176,6 +228,20 @@ pub(crate) fn register_all(
 ) -> Result<RegisterReport<3>, Error> {
     let found = register(job, field, cloud, start, Extent::All, progress)?;
     found.ok_or_else(|| Error::content(job.points, "there are no points", "check it with `indgeo info`"))
+}
+
+/// The registration of as many points as tell whether a position is worth while.
+pub(crate) fn register_few(
+    job: &Job<'_>,
+    field: &RegistrationField,
+    cloud: &Cloud<'_>,
+    start: &Pose<3>,
+    progress: &Progress,
+) -> Result<RegisterReport<3>, Error> {
+    match register(job, field, cloud, start, Extent::Few, progress)? {
+        Some(report) => Ok(report),
+        None => register_all(job, field, cloud, start, progress),
+    }
 }
 
 fn register(

@@ -4,14 +4,12 @@ use crate::error::Error;
 use crate::registering::Job;
 use crate::registration_field::RegistrationField;
 use crate::registration_model::RegistrationModel;
-use crate::registration_report::{Checks, FreeSpaceResult};
+use crate::registration_report::Checks;
+use crate::registration_sight::Sights;
 use industrial_geometry::mesh::nalgebra::Vector3;
 use industrial_geometry::register::{
-    Coverage, Doubt, FreeSpace, Pose, RegisterOptions, RegisterReport, Status, Support, Viewpoint, is_flat,
+    Coverage, Doubt, Pose, RegisterOptions, RegisterReport, Status, Support, is_flat,
 };
-
-/// How far points float in front of a scan that contradict it, as a share of the size of the model.
-const FLOATING: f64 = 0.02;
 
 /// The result, unless cloud and model both are clouds in a plane: then nothing fixes the motions in it.
 pub(crate) fn flat(
@@ -99,14 +97,14 @@ fn held_back(support: &Support) -> bool {
     support.exceeds_noise() && released
 }
 
-/// The result with what model and points say about it besides: how much of the model has points, and, of scans on scans whose normals
-/// tell from where they were seen, whether one floats in front of the other. A pose that is contradicted is doubtful.
+/// The result with what model and points say about it besides: how much of the model has points, and, of scans on scans of which it is
+/// known from where they were seen, whether one floats in front of the other. A pose that is contradicted is doubtful.
 pub(crate) fn checked(
     model: &RegistrationModel,
     field: &RegistrationField,
     result: RegisterReport<3>,
     points: &[Vector3<f64>],
-    normals: Option<&[Vector3<f64>]>,
+    sights: &Sights,
 ) -> (RegisterReport<3>, Checks) {
     let mut checks = Checks::default();
     let RegistrationField::Space(field) = field else { return (result, checks) };
@@ -116,25 +114,7 @@ pub(crate) fn checked(
     checks.coverage = model
         .few_samples()
         .and_then(|samples| Coverage::of(field.as_ref(), &samples, points, &result.pose, result.limit));
-    if let RegistrationModel::Cloud(cloud) = model {
-        let positions: Vec<Vector3<f64>> = cloud.positions().iter().map(|point| point.coords).collect();
-        let margin = FLOATING * field.bounding_box().diagonal();
-        let back = result.pose.inverse();
-        let (moved, there): (Vec<_>, Vec<_>) = (
-            points.iter().map(|x| result.pose.apply(x)).collect(),
-            positions.iter().map(|x| back.apply(x)).collect(),
-        );
-        let sides = [
-            ("model", cloud.attributes().normals(), positions.as_slice(), moved.as_slice(), margin),
-            ("points", normals, points, there.as_slice(), margin * back.scale),
-        ];
-        for (scan, normals, own, others, margin) in sides {
-            let found = normals
-                .and_then(Viewpoint::of_normals)
-                .and_then(|viewpoint| FreeSpace::of(own, &viewpoint, others, margin));
-            checks.free_space.extend(found.map(|found| FreeSpaceResult { scan, found }));
-        }
-    }
+    checks.free_space = sights.look(&result.pose);
     let floats = checks.free_space.iter().find_map(|one| one.found.doubt());
     let bare = checks.coverage.and_then(|coverage| coverage.doubt(result.support.share));
     match floats.or(bare).filter(|_| result.status == Status::Converged) {

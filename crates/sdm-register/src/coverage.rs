@@ -17,11 +17,11 @@ const NEAR: f64 = 3.0;
 const MEASURED: usize = 1000;
 /// Length of the mean of the unit normals from which a scan is one from one side.
 const ONE_SIDED: f64 = 0.5;
-/// Fewest samples in the region of a scan that tell something.
+/// Fewest samples of a model that tell something.
 const FEWEST: usize = 20;
 /// Share of the region with points, and share of the points that count, below which both together are a contradiction.
 const BARE: f64 = 0.1;
-const LEFT_OUT: f64 = 0.5;
+const LEFT_OUT: f64 = 0.7;
 
 /// The region of a model that a scan could see, and how much of it has points.
 ///
@@ -53,7 +53,7 @@ impl fmt::Display for Coverage {
 }
 
 impl Coverage {
-    /// Whether so little of the region has points that these say nothing for the pose, where most of them were left out as well: points of
+    /// Whether so little of the region has points that these say nothing for the pose, where many of them were left out as well: points of
     /// something else that touch the model somewhere.
     ///
     /// `share` is that of the points that count.
@@ -64,8 +64,8 @@ impl Coverage {
 
     /// How much of a model has points of a scan in a pose; those within `limit` count, all if there is none.
     ///
-    /// `samples` are points with normals spread evenly over the model. `None` if too few of them are in the region to tell, or if no
-    /// point counts.
+    /// `samples` are points with normals spread evenly over the model. `None` if they are too few to tell, or if no point
+    /// counts.
     #[must_use]
     pub fn of(
         field: &dyn DistanceField<3>,
@@ -97,7 +97,7 @@ impl Coverage {
             let normals: Vec<&Vector3<f64>> = model.iter().map(|&i| &samples.normals()[i]).collect();
             inside = seen_from(&mean.normalize(), &places, &normals, &inside, distance);
         }
-        if inside.len() < FEWEST {
+        if places.len() < FEWEST {
             return None;
         }
         let share = |count: usize, of: usize| count as f64 / of.max(1) as f64;

@@ -5,6 +5,7 @@ use crate::correlation::Correlation;
 use crate::covariance::Residuals;
 use crate::iterate::{Outcome, Problem, fewest};
 use crate::linearise::NormalSystem;
+use crate::noise_fixed::noise_share;
 use crate::solve::Scaled;
 use crate::source::Prepared;
 use crate::support::{Circumstances, Support};
@@ -19,6 +20,8 @@ struct Conditioning<const D: usize> {
     tangent: DMatrix<f64>,
     scaled: Scaled,
     length: f64,
+    /// Share of the largest eigenvalue up to which a motion is free.
+    tolerance: f64,
 }
 
 impl<const D: usize> Conditioning<D> {
@@ -77,9 +80,11 @@ impl<const D: usize> Problem<'_, D> {
         Some((1.0 + vector.dot(&step) / system.squares).clamp(0.0, 1.0))
     }
 
-    /// The velocity fields of the motions that are not determined at the end of a stage.
-    pub(crate) fn free_fields(&self, outcome: &Outcome<D>, cloud: &Prepared<D>) -> Vec<Velocity<D>> {
-        self.conditioning(outcome, cloud).map_or_else(Vec::new, |end| end.free_fields())
+    /// The velocity fields of the motions that are not determined at the end of a stage, and the share of the largest eigenvalue up to
+    /// which that is so.
+    pub(crate) fn free_fields(&self, outcome: &Outcome<D>, cloud: &Prepared<D>) -> (Vec<Velocity<D>>, f64) {
+        let end = self.conditioning(outcome, cloud);
+        end.map_or_else(|| (Vec::new(), 0.0), |end| (end.free_fields(), end.tolerance))
     }
 
     fn conditioning(&self, outcome: &Outcome<D>, cloud: &Prepared<D>) -> Option<Conditioning<D>> {
@@ -92,7 +97,15 @@ impl<const D: usize> Problem<'_, D> {
         let freedom = self.chart.freedom(&view.pose);
         let tangent = freedom.reduce(&system.tangent);
         let length = cloud.diagonal * view.pose.scale * 0.5;
-        let scaled = Scaled::new(&tangent, &freedom.is_translation, length, self.options.null_tolerance);
-        Some(Conditioning { system, freedom, tangent, scaled, length })
+        let at = |tolerance: f64| Scaled::new(&tangent, &freedom.is_translation, length, tolerance);
+        let mut tolerance = self.options.null_tolerance;
+        let mut scaled = at(tolerance);
+        if self.field.has_estimated_normals() {
+            let share = noise_share(outcome, cloud, &freedom, &scaled);
+            if share > tolerance {
+                (tolerance, scaled) = (share, at(share));
+            }
+        }
+        Some(Conditioning { system, freedom, tangent, scaled, length, tolerance })
     }
 }

@@ -2,12 +2,14 @@
 
 use crate::iterate::Outcome;
 use crate::source::Prepared;
+use crate::view::View;
 use distance_field::Spread;
 
 /// Distances in standard deviations of the noise at which a point no longer is one of the inliers.
 pub(crate) const CUT: f64 = 4.685;
-/// Smallest noise that is believed, as a share of the size of the cloud.
-pub(crate) const NOISE_FLOOR: f64 = 1e-12;
+/// Smallest noise that is believed, as a share of the size of the cloud, and as multiples of the rounding of its coordinates.
+const NOISE_FLOOR: f64 = 1e-12;
+const ROUNDED: f64 = 8.0 * f64::EPSILON;
 /// Distances in standard deviations that a normal distribution does not show: a single point there is an outlier.
 const IMPOSSIBLE: f64 = 8.0;
 /// Noise as a share of the size of the cloud above which the minimum may be a wrong one.
@@ -16,6 +18,13 @@ const NOISY: f64 = 0.012;
 const NEAR: f64 = 0.012;
 /// Share of the points whose support is enough not to look for another pose.
 const ENOUGH: f64 = 0.45;
+
+/// Distance up to which a point lies on the shape as far as numbers can tell, in the unit in which distances count: where neither cloud
+/// nor shape has any noise, the spread of the distances is that of their rounding, or 0 because most of them are.
+pub(crate) fn noise_floor<const D: usize>(view: &View<D>, cloud: &Prepared<D>) -> f64 {
+    let far = cloud.centre.norm() * view.pose.scale + view.pose.target_origin.norm();
+    NOISE_FLOOR * view.size(cloud) + ROUNDED * far / view.unit()
+}
 
 /// What the distances at the end of a stage say about outliers.
 #[derive(Clone, Copy, Debug)]
@@ -33,7 +42,7 @@ impl Evidence {
         let distances = outcome.view.distances(&outcome.base);
         let sigma = Spread::of(&mut distances.clone(), CUT).sigma;
         let size = outcome.view.size(cloud);
-        let limit = IMPOSSIBLE * sigma.max(NOISE_FLOOR * size);
+        let limit = IMPOSSIBLE * sigma.max(noise_floor(&outcome.view, cloud));
         let outliers = distances.iter().filter(|d| **d > limit).count();
         Self { sigma, outliers, noisy: sigma > NOISY * size }
     }

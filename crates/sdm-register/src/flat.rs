@@ -1,6 +1,6 @@
 //! Clouds that lie in one plane.
 
-use crate::support::plane_deviation;
+use crate::neighbourhood::plane_deviation;
 use nalgebra::{Matrix3, Vector3};
 
 /// Thickness as a share of the width below which points lie in a plane, whatever their noise is.

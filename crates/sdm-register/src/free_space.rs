@@ -21,6 +21,8 @@ const MEASURED: usize = 1000;
 /// Floating points, and their share of those on rays, that contradict a pose; fewer may be outliers.
 const FLOATING: usize = 30;
 const CONTRADICTION: f64 = 0.1;
+/// Share of the points of a scan that may lie in front of its own rays.
+const OWN: f64 = 0.03;
 /// Floating points over those that lie where the rays ended from which they are no outliers.
 const PREVAILING: f64 = 0.75;
 
@@ -63,9 +65,72 @@ pub struct FreeSpace {
     pub depth: f64,
 }
 
-impl FreeSpace {
+/// The rays of a scan: where they passed, and how far they went.
+#[derive(Debug)]
+pub struct Rays {
+    viewpoint: Viewpoint,
+    /// Their ends on a sphere, or a plane, around the scanner.
+    index: CloudIndex<3>,
+    depths: Vec<f64>,
+    /// The distance of neighbours on it.
+    spacing: f64,
+}
+
+impl Rays {
+    /// The rays of a scan in its own frame; `None` if the scan has too few points to tell.
+    #[must_use]
+    pub fn new(scan: &[Vector3<f64>], viewpoint: &Viewpoint) -> Option<Self> {
+        let (ends, depths): (Vec<Point3<f64>>, Vec<f64>) =
+            scan.iter().filter_map(|x| ray(viewpoint, x)).unzip();
+        let index = CloudIndex::new(&ends).ok().filter(|_| ends.len() > RAYS)?;
+        let step = ends.len().div_ceil(MEASURED).max(1);
+        let mut spacings: Vec<f64> = ends
+            .iter()
+            .step_by(step)
+            .filter_map(|end| index.nearest_n(end, RAYS).last().map(mesh_core::Neighbour::distance))
+            .collect();
+        let spacing = median(&mut spacings)?;
+        Some(Self { viewpoint: *viewpoint, index, depths, spacing })
+    }
+
+    /// [`Rays::new`], unless the scan itself has surfaces behind others by more than `margin`, which no scanner at this viewpoint sees:
+    /// files may state places of scanners for clouds that are from several, or from none.
+    #[must_use]
+    pub fn consistent(scan: &[Vector3<f64>], viewpoint: &Viewpoint, margin: f64) -> Option<Self> {
+        Self::new(scan, viewpoint).filter(|rays| rays.meet(scan, margin).share() <= OWN)
+    }
+
     /// Looks where the points of another scan, in the frame of this one, lie on its rays: those floating by more than `margin`, a
     /// length, contradict it.
+    #[must_use]
+    pub fn meet(&self, others: &[Vector3<f64>], margin: f64) -> FreeSpace {
+        let step = others.len().div_ceil(TESTED).max(1);
+        let some: Vec<&Vector3<f64>> = others.iter().step_by(step).collect();
+        let found = parallel::map(some.len(), |k| {
+            let (end, depth) = ray(&self.viewpoint, some[k])?;
+            let near = self.index.nearest_n(&end, RAYS);
+            let beside = near.last().is_none_or(|last| last.distance() > BESIDE * self.spacing);
+            // Depths grow away from the scanner: all rays around the point have to go on behind it.
+            let ahead = near.iter().map(|ray| self.depths[ray.index] - depth);
+            let [least, nearest] = ahead.fold([f64::INFINITY; 2], |[least, nearest], ahead| {
+                [least.min(ahead), nearest.min(ahead.abs())]
+            });
+            (!beside).then_some([least, nearest])
+        });
+        let found: Vec<[f64; 2]> = found.into_iter().flatten().collect();
+        let ahead: Vec<f64> = found.iter().map(|one| one[0]).collect();
+        let mut floating: Vec<f64> = ahead.iter().copied().filter(|ahead| *ahead > margin).collect();
+        FreeSpace {
+            tested: ahead.len(),
+            meeting: found.iter().filter(|one| one[1] <= margin).count(),
+            floating: floating.len(),
+            depth: median(&mut floating).unwrap_or(0.0),
+        }
+    }
+}
+
+impl FreeSpace {
+    /// What the rays of one scan say about another one: [`Rays::meet`] for a single pose.
     ///
     /// `None` if the scan has too few points to tell.
     #[must_use]
@@ -75,38 +140,7 @@ impl FreeSpace {
         others: &[Vector3<f64>],
         margin: f64,
     ) -> Option<Self> {
-        let rays: Vec<(Point3<f64>, f64)> = scan.iter().filter_map(|x| ray(viewpoint, x)).collect();
-        let ends: Vec<Point3<f64>> = rays.iter().map(|ray| ray.0).collect();
-        let index = CloudIndex::new(&ends).ok().filter(|_| ends.len() > RAYS)?;
-        let step = ends.len().div_ceil(MEASURED).max(1);
-        let mut spacings: Vec<f64> = ends
-            .iter()
-            .step_by(step)
-            .filter_map(|end| index.nearest_n(end, RAYS).last().map(mesh_core::Neighbour::distance))
-            .collect();
-        let spacing = median(&mut spacings)?;
-        let step = others.len().div_ceil(TESTED).max(1);
-        let some: Vec<&Vector3<f64>> = others.iter().step_by(step).collect();
-        let found = parallel::map(some.len(), |k| {
-            let (end, depth) = ray(viewpoint, some[k])?;
-            let near = index.nearest_n(&end, RAYS);
-            let beside = near.last().is_none_or(|last| last.distance() > BESIDE * spacing);
-            // Depths grow away from the scanner: all rays around the point have to go on behind it.
-            let ahead = near.iter().map(|ray| rays[ray.index].1 - depth);
-            let [least, nearest] = ahead.fold([f64::INFINITY; 2], |[least, nearest], ahead| {
-                [least.min(ahead), nearest.min(ahead.abs())]
-            });
-            (!beside).then_some([least, nearest])
-        });
-        let found: Vec<[f64; 2]> = found.into_iter().flatten().collect();
-        let ahead: Vec<f64> = found.iter().map(|one| one[0]).collect();
-        let mut floating: Vec<f64> = ahead.iter().copied().filter(|ahead| *ahead > margin).collect();
-        Some(Self {
-            tested: ahead.len(),
-            meeting: found.iter().filter(|one| one[1] <= margin).count(),
-            floating: floating.len(),
-            depth: median(&mut floating).unwrap_or(0.0),
-        })
+        Some(Rays::new(scan, viewpoint)?.meet(others, margin))
     }
 
     /// Whether so many points float that the pose contradicts the scan: a tenth of those on its rays, at least 30, and three quarters of
@@ -197,5 +231,15 @@ mod tests {
         assert_eq!(Viewpoint::of_normals(&[Vector3::z(), -Vector3::z(), Vector3::x()]), None);
         assert_eq!(Viewpoint::of_normals(&[]), None);
         assert_eq!(Viewpoint::of_normals(&[Vector3::repeat(f64::NAN)]), None);
+    }
+
+    #[test]
+    fn places_of_scanners_that_a_scan_contradicts_are_not_believed() {
+        // Two walls one behind the other, seen from between them, and from in front of both.
+        let both: Vec<_> = wall(0.0).into_iter().chain(wall(30.0)).collect();
+        let between = Viewpoint::Origin(Vector3::new(25.0, 25.0, 15.0));
+        let in_front = Viewpoint::Origin(Vector3::new(25.0, 25.0, 90.0));
+        assert!(Rays::consistent(&both, &between, 1.0).is_some());
+        assert!(Rays::new(&both, &in_front).is_some() && Rays::consistent(&both, &in_front, 1.0).is_none());
     }
 }

@@ -1,6 +1,6 @@
 //! The stages of a registration in their order: coarse points before all, wide limits before narrow ones.
 
-use crate::evidence::{CUT, Evidence, NOISE_FLOOR, Nearness};
+use crate::evidence::{CUT, Evidence, Nearness, noise_floor};
 use crate::iterate::{History, Outcome, Problem, Stage};
 use crate::slide_back::slide_back;
 use crate::source::Prepared;
@@ -126,7 +126,7 @@ impl<'a, const D: usize> Plan<'a, D> {
         if !outcome.status.is_converged() || outcome.view.frames.len() != self.cloud.points.len() {
             return outcome;
         }
-        let fields = self.problem.free_fields(&outcome, &self.cloud);
+        let (fields, tolerance) = self.problem.free_fields(&outcome, &self.cloud);
         let Some(pose) = slide_back(&self.cloud.points, &outcome.view.pose, start, &fields) else {
             return outcome;
         };
@@ -135,7 +135,7 @@ impl<'a, const D: usize> Plan<'a, D> {
         let view = self.problem.view(&self.cloud, pose);
         // The motions that were undone are not made again.
         let given = self.null_tolerance;
-        self.null_tolerance = given.max(HARDLY_FIXED);
+        self.null_tolerance = given.max(HARDLY_FIXED).max(tolerance);
         let other = match self.last {
             Last::Fit(rule) => self.fit_all(view, rule),
             Last::Cut => self.cut(view),
@@ -162,6 +162,7 @@ impl<'a, const D: usize> Plan<'a, D> {
             rejection: options.rejection,
             holds_rejection: false,
             null_tolerance: self.null_tolerance,
+            is_long: false,
             tolerance: options.tolerance,
             max_iterations: options.max_iterations,
         }
@@ -176,7 +177,7 @@ impl<'a, const D: usize> Plan<'a, D> {
     /// The stage that fits all points by one rule.
     fn fit_all(&mut self, view: View<D>, rule: Rule) -> Outcome<D> {
         let cloud = Rc::clone(&self.cloud);
-        self.go(&self.stage("fit", &cloud, rule), view)
+        self.go(&Stage { is_long: self.is_thinned(), ..self.stage("fit", &cloud, rule) }, view)
     }
 
     /// From the coarse points to all of them.
@@ -235,7 +236,7 @@ impl<'a, const D: usize> Plan<'a, D> {
             view = outcome.view;
         }
         let limit = self.problem.options.limits[2] * size;
-        let rule = Rule::Estimated { kernel, limit, floor: NOISE_FLOOR * size };
+        let rule = Rule::Estimated { kernel, limit, floor: noise_floor(&view, &coarse) };
         let stage = Stage {
             rejection: given.with_boundary(true),
             method: Method::TANGENT,
@@ -283,7 +284,7 @@ impl<'a, const D: usize> Plan<'a, D> {
         let base = view.base_weights(&self.cloud, &self.problem.options.rejection);
         let size = view.size(&self.cloud);
         let limit = self.problem.options.limits[2] * size;
-        let estimated = Rule::Estimated { kernel, limit, floor: NOISE_FLOOR * size };
+        let estimated = Rule::Estimated { kernel, limit, floor: noise_floor(&view, &self.cloud) };
         // The given one is in the unit of the model.
         let scale = abs_scale
             .map(|scale| scale / view.unit())
@@ -333,7 +334,6 @@ impl<'a, const D: usize> Plan<'a, D> {
     /// is the noise.
     fn cut(&mut self, view: View<D>) -> Outcome<D> {
         self.last = Last::Cut;
-        let size = view.size(&self.cloud);
         let rejection = facing_only(self.problem.options.rejection, self.facing).with_boundary(true);
         if self.facing {
             self.cloud = Rc::new(self.cloud.with_estimated_normals());
@@ -341,7 +341,8 @@ impl<'a, const D: usize> Plan<'a, D> {
         let cloud = Rc::clone(&self.cloud);
         let judge = |view: &View<D>| {
             let base = view.base_weights(&cloud, &rejection);
-            let limit = (CUT * Spread::of(&mut view.distances(&base), CUT).sigma).max(NOISE_FLOOR * size);
+            let sigma = Spread::of(&mut view.distances(&base), CUT).sigma;
+            let limit = (CUT * sigma).max(noise_floor(view, &cloud));
             (base, limit)
         };
         let mut view = view;
@@ -349,7 +350,9 @@ impl<'a, const D: usize> Plan<'a, D> {
         let mut repetition = 0;
         loop {
             let rule = Rule::Fixed(Weighting::Cut { limit: distance });
-            let stage = Stage { rejection, holds_rejection: true, ..self.stage("inliers", &cloud, rule) };
+            let is_long = self.is_thinned();
+            let stage =
+                Stage { rejection, holds_rejection: true, is_long, ..self.stage("inliers", &cloud, rule) };
             let outcome = self.problem.run(&stage, view, &mut self.history);
             self.evaluations += outcome.evaluations;
             let (base, next) = judge(&outcome.view);

@@ -15,7 +15,7 @@ use std::ops::ControlFlow;
 const SURE_SHARE: f64 = 0.9;
 const SURE_RMS: f64 = 1e-3;
 /// Most points whose distances in the starting pose are computed: far from the shape each takes long, and no decision depends on them.
-const ELSEWHERE: usize = 20_000;
+const ELSEWHERE: usize = 4000;
 
 /// A progress callback that does nothing.
 ///

@@ -11,6 +11,8 @@ pub(crate) struct Scaled {
     units: DVector<f64>,
     /// Orthonormal directions that are fixed by the shape, one per column.
     fixed: DMatrix<f64>,
+    /// Their eigenvalues in the tangent matrix as shares of the largest.
+    shares: Vec<f64>,
     /// Orthonormal directions that are not.
     free: DMatrix<f64>,
     /// Smallest and largest eigenvalue of the tangent matrix.
@@ -36,13 +38,24 @@ impl Scaled {
         let eigen = Eigen::new(scale(tangent, &units));
         let largest = eigen.values.iter().fold(0.0f64, |m, &x| m.max(x));
         let smallest = eigen.values.iter().fold(f64::INFINITY, |m, &x| m.min(x));
-        let (mut fixed, mut free) = (Vec::new(), Vec::new());
+        let (mut fixed, mut free, mut shares) = (Vec::new(), Vec::new(), Vec::new());
         for (i, &value) in eigen.values.iter().enumerate() {
             let column = eigen.vectors.column(i).into_owned();
-            if value > tolerance * largest { fixed.push(column) } else { free.push(column) }
+            if value > tolerance * largest {
+                fixed.push(column);
+                shares.push(value / largest);
+            } else {
+                free.push(column);
+            }
         }
         let matrix = |columns: &[DVector<f64>]| DMatrix::from_fn(n, columns.len(), |i, j| columns[j][i]);
-        Self { units, fixed: matrix(&fixed), free: matrix(&free), extremes: [smallest.max(0.0), largest] }
+        Self {
+            units,
+            fixed: matrix(&fixed),
+            shares,
+            free: matrix(&free),
+            extremes: [smallest.max(0.0), largest],
+        }
     }
 
     /// Number of directions that are fixed.
@@ -53,6 +66,18 @@ impl Scaled {
     /// The directions that are not fixed, as steps.
     pub(crate) fn free_steps(&self) -> Vec<DVector<f64>> {
         self.free.column_iter().map(|c| c.component_mul(&self.units)).collect()
+    }
+
+    /// The directions that are fixed, as steps, with their eigenvalues as shares of the largest: the most weakly fixed one first.
+    pub(crate) fn axes(&self) -> Vec<(f64, DVector<f64>)> {
+        let mut axes: Vec<_> = self
+            .shares
+            .iter()
+            .zip(self.fixed.column_iter())
+            .map(|(&share, axis)| (share, axis.component_mul(&self.units)))
+            .collect();
+        axes.sort_by(|a, b| a.0.total_cmp(&b.0));
+        axes
     }
 
     /// A system by its eigenvectors.

@@ -1,10 +1,10 @@
 //! The moving points.
 
 use crate::Error;
+use crate::neighbourhood::plane_normals;
 use crate::parallel;
-use crate::support::plane_normals;
 use mesh_core::spatial_order;
-use nalgebra::{Point, SMatrix, SVector};
+use nalgebra::{Point, SVector};
 
 /// Width of the points as a share of their length below which they count as collinear.
 const COLLINEAR: f64 = 1e-9;
@@ -149,18 +149,18 @@ impl<const D: usize> Prepared<D> {
 
     /// A rigid motion is determined only by points that are not on one line (in the plane: not all in one place).
     fn check_extent(&self) -> Result<(), Error> {
+        // About the line from the centre through the farthest point: sums of squares that are small without rounding.
+        let farther = |a: SVector<f64, D>, b: &SVector<f64, D>| if b.norm() > a.norm() { *b } else { a };
+        let farthest = self.points.iter().fold(SVector::zeros(), farther);
+        let axis = farthest.try_normalize(0.0).unwrap_or_else(SVector::zeros);
         let sums = parallel::ranges(self.points.len(), |range| {
-            self.points[range].iter().fold(SMatrix::<f64, D, D>::zeros(), |sum, y| sum + y * y.transpose())
+            self.points[range].iter().fold((0.0, 0.0), |(length, width), y| {
+                (length + y.norm_squared(), width + (y - axis * axis.dot(y)).norm_squared())
+            })
         });
-        let spread = sums.iter().fold(SMatrix::<f64, D, D>::zeros(), |sum, part| sum + part);
-        let spread = spread / self.points.len() as f64;
-        // The trace and the sum of the principal minors: squared length, and width, of a thin cloud.
-        let length = spread.trace();
-        let minors: f64 = (0..D)
-            .flat_map(|i| (0..i).map(move |j| (i, j)))
-            .map(|(i, j)| spread[(i, i)] * spread[(j, j)] - spread[(i, j)] * spread[(i, j)])
-            .sum();
-        let width = if D == 2 { length } else { minors.max(0.0) / length };
+        let count = self.points.len() as f64;
+        let length = sums.iter().map(|sum| sum.0).sum::<f64>() / count;
+        let width = if D == 2 { length } else { sums.iter().map(|sum| sum.1).sum::<f64>() / count };
         if width.is_nan() || length <= 0.0 || width <= (COLLINEAR * COLLINEAR) * length {
             let width = if width.is_nan() { 0.0 } else { width.sqrt() };
             return Err(Error::Collinear { width, length: length.sqrt() });

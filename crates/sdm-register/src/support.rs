@@ -1,12 +1,10 @@
 //! How far the points speak for a pose: what tells a fit from a place where the iteration merely ended.
 
 use crate::Status;
-use crate::eigen::Eigen;
 use crate::iterate::Outcome;
-use crate::parallel;
+use crate::neighbourhood::{SAMPLE, median, planes};
 use crate::source::Prepared;
-use mesh_core::CloudIndex;
-use nalgebra::{DMatrix, Point, SVector};
+use nalgebra::{Point, SVector};
 use std::fmt;
 
 /// Share of the points below which a pose is not believed, unless [`MANY`] of them stand out.
@@ -32,6 +30,9 @@ const HELD: f64 = 0.008;
 /// some were left out for their distance, and where most were. What is left is to be closer then, since it was chosen to be close.
 const LARGE: [f64; 3] = [0.012, 0.006, 0.006];
 const HUGE: [f64; 3] = [0.05, 0.025, 0.015];
+/// The same where most of the squared distances lie along the surface of the points themselves, and what is most of them.
+const OVERHANG: f64 = 0.005;
+const ALONG: f64 = 0.5;
 /// Distances in units of the noise that the points show among themselves above which the two do not agree.
 const DISAGREEING: f64 = 3.0;
 /// Median angle between the normals of the points and of the model above which they do not agree, radians.
@@ -40,11 +41,6 @@ const ANGLE: f64 = 0.06;
 const RELEASED: f64 = 0.5;
 /// Sizes of the points over that of the model between which a scale is one.
 const SIZES: [f64; 2] = [0.01, 100.0];
-/// Points of which the noise is estimated, and the neighbours of each per dimension.
-const SAMPLE: usize = 1500;
-const NEIGHBOURS: usize = 4;
-/// Squared thickness of a neighbourhood over its squared width up to which it has a normal.
-const FLAT: f64 = 0.1;
 
 /// Why a pose at which the iteration converged is not believed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -103,11 +99,14 @@ pub struct Support {
     pub share: f64,
     /// Root mean square distance of the points that count as a share of their size, the diagonal of the box around them.
     pub relative_rms: f64,
-    /// The same of what the points deviate from planes through their neighbours, after thinning; `None` where the distances are
-    /// so small that it does not matter.
+    /// The same of what the points deviate from smooth surfaces through their neighbours, after thinning; `None` where the distances
+    /// are so small that it does not matter.
     pub own_noise: Option<f64>,
     /// Median angle between the normals of those planes and the normals of the model, radians; where `own_noise` is known.
     pub normal_angle: Option<f64>,
+    /// Share of the squared distances that lies along the surface which the points show among themselves, as where they hang over an
+    /// end of the model; where `own_noise` is known.
+    pub along_surface: Option<f64>,
     /// Density of the distances just beyond the limit over that within: near 0 for points that stand out, near 1 where nothing
     /// separates them from the others. `None` where no limit was drawn, or hardly any point is beyond.
     pub background: Option<f64>,
@@ -152,15 +151,17 @@ impl Support {
             relative_rms,
             own_noise: None,
             normal_angle: None,
+            along_surface: None,
             background: background(outcome, share),
             unlocked_rms: given.unlocked.map(|left| relative_rms * left.sqrt()),
             relative_size: given.model_size.map(|model| extent * view.pose.scale / model),
             doubt: None,
         };
         if relative_rms > NOTED {
-            let [noise, angle] = own_shape(outcome, cloud, &used);
-            support.own_noise = noise.map(|noise| noise / extent);
-            support.normal_angle = angle;
+            let own = OwnShape::of(outcome, cloud, &used);
+            support.own_noise = own.noise.map(|noise| noise / extent);
+            support.normal_angle = own.angle;
+            support.along_surface = own.along;
         }
         support.doubt = support.judge(used.len(), given);
         support
@@ -191,6 +192,10 @@ impl Support {
         if self.relative_rms > HELD && given.unlocked.is_some_and(|left| left < 1.0 - RELEASED) {
             return Some(Doubt::Locks);
         }
+        let hang_over = self.along_surface.is_some_and(|share| share > ALONG);
+        if self.relative_rms > OVERHANG && hang_over {
+            return Some(Doubt::LargeDistances);
+        }
         let disagree = self.normal_angle.is_none_or(|angle| angle > ANGLE);
         (self.relative_rms > LARGE[left_out.min(2)] && disagree).then_some(Doubt::LargeDistances)
     }
@@ -215,6 +220,9 @@ impl fmt::Display for Support {
         }
         if let Some(angle) = self.normal_angle {
             write!(f, ", normals {:.0} degrees apart", angle.to_degrees())?;
+        }
+        if let Some(share) = self.along_surface.filter(|share| *share > ALONG) {
+            write!(f, ", {:.0} % of their squares along the surface of the points", 100.0 * share)?;
         }
         if let Some(background) = self.background {
             write!(f, ", density beyond the limit {background:.2} of that within")?;
@@ -245,81 +253,37 @@ fn background<const D: usize>(outcome: &Outcome<D>, share: f64) -> Option<f64> {
     (within > 0).then(|| beyond as f64 / BEYOND / within as f64)
 }
 
-/// How far points deviate from planes through their neighbours, in the source's unit, and the median angle between the normals
-/// of these and of the model.
-fn own_shape<const D: usize>(outcome: &Outcome<D>, cloud: &Prepared<D>, used: &[usize]) -> [Option<f64>; 2] {
-    let step = used.len().div_ceil(SAMPLE).max(1);
-    let picked: Vec<usize> = used.iter().copied().step_by(step).collect();
-    let points: Vec<Point<f64, D>> = picked.iter().map(|&i| cloud.points[i].into()).collect();
-    let planes = planes(&points);
-    let noise = median(planes.iter().map(|plane| plane.deviation).collect());
-    let angle = |(plane, &i): (&Plane<D>, &usize)| {
-        let frame = &outcome.view.frames[i];
-        let cosine = outcome.view.pose.rotate(&plane.normal).dot(&frame.normal()).abs().min(1.0);
-        let has_normal = plane.is_flat && !frame.on_boundary && frame.tangent_dimension == D - 1;
-        has_normal.then(|| cosine.acos())
-    };
-    let angles: Vec<f64> = planes.iter().zip(&picked).filter_map(angle).collect();
-    // Where hardly any neighbourhood is flat, there is nothing to compare.
-    [noise, if 4 * angles.len() >= planes.len() { median(angles) } else { None }]
+/// What the neighbourhoods of the points show.
+struct OwnShape {
+    /// How far points deviate from smooth surfaces through their neighbours, in the source's unit.
+    noise: Option<f64>,
+    /// Median angle between the normals of planes through these and of the model.
+    angle: Option<f64>,
+    /// Share of the squared distances that lies in those planes.
+    along: Option<f64>,
 }
 
-/// How far points deviate from planes through their neighbours, the median; `None` of too few points.
-pub(crate) fn plane_deviation<const D: usize>(points: &[SVector<f64, D>]) -> Option<f64> {
-    let step = points.len().div_ceil(SAMPLE).max(1);
-    let some: Vec<Point<f64, D>> = points.iter().step_by(step).map(|x| (*x).into()).collect();
-    median(planes(&some).iter().map(|plane| plane.deviation).collect())
-}
-
-/// The normals of planes through the neighbours of each point, of either side; 0 where the neighbours are not flat. Empty if there
-/// are too few points.
-pub(crate) fn plane_normals<const D: usize>(points: &[SVector<f64, D>]) -> Vec<SVector<f64, D>> {
-    let points: Vec<Point<f64, D>> = points.iter().map(|x| (*x).into()).collect();
-    let normal = |plane: Plane<D>| if plane.is_flat { plane.normal } else { SVector::zeros() };
-    planes(&points).into_iter().map(normal).collect()
-}
-
-/// The plane through the neighbours of a point (in the plane: the line).
-struct Plane<const D: usize> {
-    normal: SVector<f64, D>,
-    /// Root mean square distance of the neighbours, their degrees of freedom taken into account.
-    deviation: f64,
-    /// Whether the neighbours are much wider than they are thick.
-    is_flat: bool,
-}
-
-/// One plane per point; none if there are too few points.
-fn planes<const D: usize>(points: &[Point<f64, D>]) -> Vec<Plane<D>> {
-    let count = NEIGHBOURS * D;
-    let Some(index) = CloudIndex::new(points).ok().filter(|_| points.len() > count) else {
-        return Vec::new();
-    };
-    parallel::map(points.len(), |k| {
-        let near = index.nearest_n(&points[k], count + 1);
-        let mean =
-            near.iter().map(|n| points[n.index].coords).sum::<SVector<f64, D>>() / near.len().max(1) as f64;
-        let mut spread = DMatrix::zeros(D, D);
-        for neighbour in &near {
-            let offset = points[neighbour.index].coords - mean;
-            for i in 0..D {
-                for j in 0..D {
-                    spread[(i, j)] += offset[i] * offset[j];
-                }
+impl OwnShape {
+    fn of<const D: usize>(outcome: &Outcome<D>, cloud: &Prepared<D>, used: &[usize]) -> Self {
+        let step = used.len().div_ceil(SAMPLE).max(1);
+        let picked: Vec<usize> = used.iter().copied().step_by(step).collect();
+        let points: Vec<Point<f64, D>> = picked.iter().map(|&i| cloud.points[i].into()).collect();
+        let planes = planes(&points);
+        let noise = median(planes.iter().map(|plane| plane.roughness).collect());
+        let (mut angles, mut all, mut along) = (Vec::new(), 0.0, 0.0);
+        let flat = planes.iter().zip(&picked).filter(|(plane, _)| plane.is_flat);
+        for (plane, &i) in flat {
+            let frame = &outcome.view.frames[i];
+            let cosine = outcome.view.pose.rotate(&plane.normal).dot(&frame.normal()).abs().min(1.0);
+            let square = frame.distance * frame.distance;
+            all += square;
+            along += square * (1.0 - cosine * cosine);
+            if !frame.on_boundary && frame.tangent_dimension == D - 1 {
+                angles.push(cosine.acos());
             }
         }
-        let eigen = Eigen::new(spread);
-        let mut order: Vec<usize> = (0..D).collect();
-        order.sort_by(|&i, &j| eigen.values[i].total_cmp(&eigen.values[j]));
-        let (thin, wide) = (eigen.values[order[0]].max(0.0), eigen.values[order[1]]);
-        Plane {
-            normal: SVector::from_fn(|i, _| eigen.vectors[(i, order[0])]),
-            deviation: (thin / near.len().saturating_sub(D).max(1) as f64).sqrt(),
-            is_flat: thin <= FLAT * wide,
-        }
-    })
-}
-
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    let middle = values.len() / 2;
-    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
+        // Where hardly any neighbourhood is flat, there is nothing to compare.
+        let angle = if 4 * angles.len() >= planes.len() { median(angles) } else { None };
+        Self { noise, angle, along: (all > 0.0).then(|| along / all) }
+    }
 }

@@ -14,6 +14,8 @@ const MOST: usize = 240;
 const EXACT: f64 = 1e-4;
 /// Share of the points that a motion lays on the shape roughly, for it to be looked at.
 const ROUGH: f64 = 0.8;
+/// Root mean square displacement, as a share of the size, from which a motion is another one than a known symmetry.
+const NEAR: f64 = 0.03;
 /// Angle, in radians, and distance as a share of the size, up to which two motions are the same.
 const SAME: f64 = 5e-3;
 
@@ -29,16 +31,48 @@ pub fn symmetries(
     samples: &OrientedPoints,
     abs_tolerance: f64,
 ) -> Vec<Pose<3>> {
+    symmetries_and_near(field, samples, abs_tolerance).0
+}
+
+/// [`symmetries`], and motions that lay most of the shape near itself, but not all of it: what a plate with one hole has. The latter are
+/// roughly known.
+#[must_use]
+pub fn symmetries_and_near(
+    field: &dyn DistanceField<3>,
+    samples: &OrientedPoints,
+    abs_tolerance: f64,
+) -> (Vec<Pose<3>>, Vec<Pose<3>>) {
     let identity = Pose::identity();
     let Some(bounds) = samples.bounding_box().filter(|bounds| bounds.diagonal() > 0.0) else {
-        return vec![identity];
+        return (vec![identity], Vec::new());
     };
-    let size = bounds.diagonal();
+    let rough = roughly(samples, &bounds.centre(), bounds.diagonal());
+    let group = exact(field, samples, abs_tolerance, &rough);
+    // Of bodies of revolution there would be no end.
+    let Some(group) = group else { return (vec![identity], Vec::new()) };
+    let step = samples.len().div_ceil(POINTS).max(1);
+    let apart = |a: &Pose<3>, b: &Pose<3>| {
+        let moved = samples.points().iter().step_by(step).map(|x| (a.apply(x) - b.apply(x)).norm_squared());
+        let count = samples.points().iter().step_by(step).count().max(1);
+        (moved.sum::<f64>() / count as f64).sqrt() > NEAR * bounds.diagonal()
+    };
+    let near = rough.into_iter().filter(|motion| group.iter().all(|known| apart(known, motion))).collect();
+    (group, near)
+}
+
+/// The group of the motions next to rough ones that carry a shape into itself; `None` where one of them is not alone.
+fn exact(
+    field: &dyn DistanceField<3>,
+    samples: &OrientedPoints,
+    abs_tolerance: f64,
+    rough: &[Pose<3>],
+) -> Option<Vec<Pose<3>>> {
+    let identity = Pose::identity();
+    let size = samples.bounding_box().map_or(0.0, |bounds| bounds.diagonal());
     let tolerance = abs_tolerance.max(EXACT * size);
     let step = samples.len().div_ceil(POINTS).max(1);
     let points: Vec<Vector3<f64>> = samples.points().iter().copied().step_by(step).collect();
-    let Some(Some(_)) = exactly(field, &points, &identity, tolerance) else { return vec![identity] };
-    let rough = roughly(samples, &bounds.centre(), size);
+    let Some(Some(_)) = exactly(field, &points, &identity, tolerance) else { return None };
     let exact = parallel::tasks(rough.len(), |k| exactly(field, &points, &rough[k], tolerance));
     let mut group = vec![identity];
     let mut generators: Vec<Pose<3>> = Vec::new();
@@ -48,12 +82,12 @@ pub fn symmetries(
         turn < SAME && (a.apply(&centre) - b.apply(&centre)).norm() < SAME * size
     };
     for found in exact.into_iter().flatten() {
-        let Some(found) = found else { return vec![identity] };
+        let found = found?;
         if !group.iter().any(|known| same(known, &found)) {
             generators.push(found);
             close(&mut group, &generators, &same);
             if group.len() > MOST {
-                return vec![identity];
+                return None;
             }
         }
     }
@@ -61,7 +95,13 @@ pub fn symmetries(
     let settled = parallel::tasks(group.len(), |k| {
         if k == 0 { Some(Some(identity)) } else { exactly(field, &points, &group[k], tolerance) }
     });
-    settled.into_iter().map(Option::flatten).collect::<Option<Vec<_>>>().unwrap_or_else(|| vec![identity])
+    Some(
+        settled
+            .into_iter()
+            .map(Option::flatten)
+            .collect::<Option<Vec<_>>>()
+            .unwrap_or_else(|| vec![identity]),
+    )
 }
 
 /// All products of generators, as long as they are not too many.

@@ -24,4 +24,4 @@ pub(crate) use search::{axis_placements, refine_placement};
 pub use options::{StartMethod, StartOptions};
 pub use oriented::OrientedPoints;
 pub use report::{StartCandidate, StartReport, StartStatus};
-pub use search::{CoarseStart, coarse_start};
+pub use search::{CoarseStart, StartSearch, coarse_start};

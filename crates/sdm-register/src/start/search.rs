@@ -107,6 +107,14 @@ impl CoarseStart {
     /// # Errors
     /// [`Error::Input`] if there are too few points or all are the same.
     pub fn search(&self, cloud: &OrientedPoints, progress: Progress<'_>) -> Result<StartReport, Error> {
+        self.look(cloud, progress)?.report(self.options.tolerance)
+    }
+
+    /// [`CoarseStart::search`] before anything is judged, for reports at several tolerances.
+    ///
+    /// # Errors
+    /// As for [`CoarseStart::search`].
+    pub fn look(&self, cloud: &OrientedPoints, progress: Progress<'_>) -> Result<StartSearch<'_>, Error> {
         if cloud.len() < FEWEST {
             return Err(too_few(cloud).of("cloud"));
         }
@@ -131,7 +139,27 @@ impl CoarseStart {
                 break;
             }
         }
-        Ok(run.report(&centre, cancelled))
+        Ok(StartSearch { run, centre, cancelled })
+    }
+}
+
+/// The poses that a search met.
+#[derive(Debug)]
+pub struct StartSearch<'a> {
+    run: Run<'a>,
+    /// Of the cloud.
+    centre: Vector3<f64>,
+    cancelled: bool,
+}
+
+impl StartSearch<'_> {
+    /// The best of them, improved and ranked by what lies within a [tolerance](StartOptions::tolerance).
+    ///
+    /// # Errors
+    /// [`Error::Option`] if the tolerance is none.
+    pub fn report(&self, tolerance: f64) -> Result<StartReport, Error> {
+        self.run.start.options.clone().with_tolerance(tolerance).validate()?;
+        Ok(self.run.report(&self.centre, self.cancelled, tolerance))
     }
 }
 
@@ -157,6 +185,7 @@ pub(crate) fn refine_placement(
 }
 
 /// The state of one search.
+#[derive(Debug)]
 struct Run<'a> {
     start: &'a CoarseStart,
     cloud: OrientedPoints,
@@ -260,17 +289,17 @@ impl<'a> Run<'a> {
         }
     }
 
-    fn report(self, cloud_centre: &Vector3<f64>, cancelled: bool) -> StartReport {
+    fn report(&self, cloud_centre: &Vector3<f64>, cancelled: bool, tolerance: f64) -> StartReport {
         let (scorer, options) = (&self.start.scorer, &self.start.options);
         let all = self.cloud.len();
         let entries = &self.pool.entries[..self.pool.entries.len().min(2 * options.candidates)];
         let improved = parallel::tasks(entries.len(), |k| {
-            refine(entries[k].placement, scorer, &self.cloud, all, options.tolerance)
+            refine(entries[k].placement, scorer, &self.cloud, all, tolerance)
         });
         // A cloud that deviates from the model by more than the tolerance is judged by the deviation of the best pose.
         let spreads = parallel::tasks(improved.len(), |k| scorer.spread(&improved[k], &self.cloud, all));
         let least = spreads.iter().copied().fold(f64::INFINITY, f64::min);
-        let tolerance = options.tolerance.max((OUTLYING * least).min(WIDEST));
+        let tolerance = tolerance.max((OUTLYING * least).min(WIDEST));
         let polished: Vec<(f64, Placement)> = parallel::tasks(improved.len(), |k| {
             (scorer.sum(&improved[k], &self.cloud, 0..all, tolerance) / all as f64, improved[k])
         });

@@ -219,12 +219,17 @@ impl<'a> Run<'a> {
         held
     }
 
+    /// Where the centres of the views are.
+    fn places(&self) -> Vec<Vector3<f64>> {
+        self.poses.iter().map(|pose| pose.shift).collect()
+    }
+
     /// One step; returns the largest motion of a view and the system, `None` if there is nothing to match any more.
     fn step(&mut self, count: usize) -> Option<(f64, System)> {
         let rules = self.rules(self.limit.max(LEAST_LIMIT));
         let matches = find(&mut self.views, &self.poses, &self.pairs, count, &rules);
         let limit = robust_limit(&matches)?.min(rules.limit);
-        let system = System::new(&matches, &self.held(), limit);
+        let system = System::new(&matches, &self.held(), self.places(), limit);
         let twists = system.solve()?;
         let mut motion: f64 = 0.0;
         for (view, (pose, twist)) in self.poses.iter_mut().zip(&twists).enumerate() {
@@ -251,8 +256,12 @@ impl<'a> Run<'a> {
         let (early, late) = (self.rules(self.options.max_distance), self.rules(self.limit.max(LEAST_LIMIT)));
         let before = find(&mut self.views, &self.first, &pairs, count, &early);
         let after = find(&mut self.views, &self.poses, &pairs, count, &late);
-        let system =
-            System::new(&after, &self.held(), robust_limit(&after).unwrap_or(self.limit).max(LEAST_LIMIT));
+        let system = System::new(
+            &after,
+            &self.held(),
+            self.places(),
+            robust_limit(&after).unwrap_or(self.limit).max(LEAST_LIMIT),
+        );
         let matched: usize = after.iter().map(|matches| matches.list.len()).sum();
         let known = status != ViewsStatus::NoOverlap && system.free_motions() == 0;
         let covariances = if known { system.covariances(matched) } else { None };

@@ -1,12 +1,14 @@
 //! The system of equations for the motions of all views.
 
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix6, Vector6};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix6, Vector3, Vector6};
 
 use super::matching::Matches;
 use crate::parallel;
 
 /// Eigenvalues of the system below this share of the largest belong to motions that nothing resists.
 const FREE_SHARE: f64 = 1e-7;
+/// Pivots of its factor below this share of the largest element of the diagonal make it worth while to look for such motions.
+const SUSPICIOUS: f64 = 1e-4;
 
 /// Normal equations of one directed pair: `JᵀWJ`, `JᵀWd`, `Σ w d²`, `Σ w`.
 struct Block {
@@ -23,6 +25,8 @@ pub(crate) struct System {
     rows: Vec<Option<usize>>,
     matrix: DMatrix<f64>,
     gradient: DVector<f64>,
+    /// The centre of each view, in the frame of the twists.
+    centres: Vec<Vector3<f64>>,
     /// `Σ w d²`.
     pub(crate) cost: f64,
     /// `Σ w`.
@@ -31,7 +35,7 @@ pub(crate) struct System {
 
 impl System {
     /// Sums up the matches, each with Tukey's weight for the distance `limit`; views with `held` do not move.
-    pub(crate) fn new(matches: &[Matches], held: &[bool], limit: f64) -> Self {
+    pub(crate) fn new(matches: &[Matches], held: &[bool], centres: Vec<Vector3<f64>>, limit: f64) -> Self {
         let mut size = 0;
         let rows: Vec<Option<usize>> = held
             .iter()
@@ -47,6 +51,7 @@ impl System {
             rows,
             matrix: DMatrix::zeros(size, size),
             gradient: DVector::zeros(size),
+            centres,
             cost: 0.0,
             weight: 0.0,
         };
@@ -73,9 +78,17 @@ impl System {
 
     /// The twist `(c, c̄)` of each view, 0 for those that are held; `None` if the system has no solution.
     ///
-    /// Motions that nothing resists are damped to nothing.
+    /// Motions that nothing resists are not made.
     pub(crate) fn solve(&self) -> Option<Vec<Vector6<f64>>> {
-        let solution = self.factor(1e-12)?.solve(&-&self.gradient);
+        let factor = self.factor(1e-12);
+        let is_weak = factor.as_ref().is_none_or(|factor| {
+            let pivots = factor.l_dirty().diagonal().map(|pivot| pivot * pivot);
+            pivots.min() <= SUSPICIOUS * self.matrix.diagonal().amax()
+        });
+        let solution = match factor {
+            Some(factor) if !is_weak => factor.solve(&-&self.gradient),
+            _ => self.resisted_solution(),
+        };
         if !solution.iter().all(|value| value.is_finite()) {
             return None;
         }
@@ -85,12 +98,43 @@ impl System {
         Some(self.rows.iter().map(twist).collect())
     }
 
+    /// The solution without the motions that nothing resists: what else would move the views along them is rounding, or what the
+    /// surfaces between the points are not known to.
+    fn resisted_solution(&self) -> DVector<f64> {
+        if self.matrix.is_empty() {
+            return DVector::zeros(0);
+        }
+        let about = self.about_centres();
+        let eigen = (about.tr_mul(&self.matrix) * &about).symmetric_eigen();
+        let limit = FREE_SHARE * eigen.eigenvalues.max();
+        let right = eigen.eigenvectors.tr_mul(&about.tr_mul(&self.gradient));
+        let inner = right.zip_map(
+            &eigen.eigenvalues,
+            |right, value| {
+                if value > limit { -right / value } else { 0.0 }
+            },
+        );
+        about * (&eigen.eigenvectors * inner)
+    }
+
+    /// Takes turns about the centre of each view, and displacements of it, to twists: far from the origin of these, turns and
+    /// displacements can hardly be told apart.
+    fn about_centres(&self) -> DMatrix<f64> {
+        let mut out = DMatrix::identity(self.matrix.nrows(), self.matrix.nrows());
+        for (row, centre) in self.rows.iter().zip(&self.centres) {
+            let Some(row) = *row else { continue };
+            out.fixed_view_mut::<3, 3>(row + 3, row).copy_from(&centre.cross_matrix());
+        }
+        out
+    }
+
     /// Number of independent motions of the views that no distance resists.
     pub(crate) fn free_motions(&self) -> usize {
         if self.matrix.is_empty() {
             return 0;
         }
-        let values = self.matrix.symmetric_eigenvalues();
+        let about = self.about_centres();
+        let values = (about.tr_mul(&self.matrix) * about).symmetric_eigenvalues();
         let largest = values.max();
         values.iter().filter(|&&value| value <= FREE_SHARE * largest).count()
     }

@@ -10,6 +10,7 @@ mod covariance;
 mod coverage;
 mod laws;
 mod motions;
+mod noise;
 mod robust;
 mod sample;
 mod scales;

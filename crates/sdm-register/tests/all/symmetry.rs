@@ -4,7 +4,7 @@ use distance_field::{MeshField, MeshGeometry, MeshOptions};
 use mesh_core::TriangleMesh;
 use nalgebra::{Point3, Vector3};
 use sdm_register::start::OrientedPoints;
-use sdm_register::{Pose, rotation, symmetries};
+use sdm_register::{Pose, rotation, symmetries, symmetries_and_near};
 
 /// A prism over a polygon with given corners, as triangles.
 fn prism(corners: &[[f64; 2]], height: f64, place: &Pose<3>) -> TriangleMesh {
@@ -71,4 +71,19 @@ fn solids_have_the_symmetries_of_their_groups() {
             }
         }
     }
+}
+
+#[test]
+fn a_plate_with_one_cut_corner_nearly_has_the_symmetries_of_the_whole() {
+    let mut corners = rectangle(4.0, 2.0);
+    corners.splice(2..3, [[4.0, 1.6], [3.6, 2.0]]);
+    let mesh = prism(&corners, 0.3, &Pose::identity());
+    let field = MeshField::new(&mesh).unwrap();
+    let samples = OrientedPoints::from_mesh(&mesh, 12_000);
+    let (group, near) = symmetries_and_near(&field, &samples, 0.0);
+    assert_eq!((group.len(), near.len()), (1, 3));
+    let whole = prism(&rectangle(4.0, 2.0), 0.3, &Pose::identity());
+    let samples = OrientedPoints::from_mesh(&whole, 12_000);
+    let (group, near) = symmetries_and_near(&MeshField::new(&whole).unwrap(), &samples, 0.0);
+    assert_eq!((group.len(), near.len()), (4, 0));
 }

@@ -139,3 +139,29 @@ fn finds_the_poses_without_a_start() {
     assert_eq!(report.status, ViewsStatus::Converged, "{report}");
     assert!(error < 5e-5, "{error}");
 }
+
+#[test]
+fn spheres_keep_the_turns_that_their_poses_give() {
+    let mut random = crate::common::Random::new(9);
+    let mut cap = |axis: Vector3<f64>| -> Vec<Vector3<f64>> {
+        std::iter::repeat_with(|| random.vector().normalize())
+            .filter(|x| x.dot(&axis) > -0.3)
+            .take(1500)
+            .collect()
+    };
+    let caps = [cap(Vector3::x()), cap(Vector3::y())];
+    let pose = Pose::new(
+        sdm_register::rotation::exponential::<3>(&Vector3::new(0.3, 0.5, -1.0)).0,
+        Vector3::new(2.0, 0.0, 1.0),
+    );
+    let back = pose.inverse();
+    let second: Vec<_> = caps[1].iter().map(|x| back.apply(x)).collect();
+    let views = [View::new(&caps[0]), View::new(&second)];
+    let start = [Pose::identity(), pose];
+    let report = register_views(&views, &start, &ViewsOptions::default(), &no_progress).unwrap();
+    assert_eq!(report.status, ViewsStatus::Underdetermined);
+    assert!(report.history.len() < 20, "{}", report.history.len());
+    let moved = second.iter().map(|x| (report.views[1].pose.apply(x) - pose.apply(x)).norm());
+    let farthest = moved.fold(0.0, f64::max);
+    assert!(farthest < 1e-4, "{farthest}");
+}

@@ -1,14 +1,17 @@
 //! The loop: footpoints, quadratic models, a small linear system, a controlled step, again.
 
+mod control;
+mod settle;
+
 use crate::anderson::Anderson;
 use crate::constraint::{Chart, Freedom};
 use crate::linearise::NormalSystem;
 use crate::report::StepRecord;
 use crate::solve::{Scaled, Spectrum};
 use crate::source::Prepared;
-use crate::view::{NEAR, Terms, View};
+use crate::view::{Terms, View};
 use crate::weights::{Rejection, Rule, Weighting};
-use crate::{FootpointPolicy, Method, Pose, RegisterOptions, Status, StepControl};
+use crate::{Method, Pose, RegisterOptions, Status};
 use distance_field::{DistanceField, Search};
 use nalgebra::{DMatrix, DVector};
 use std::ops::ControlFlow;
@@ -36,6 +39,8 @@ pub(crate) struct Stage<'a, const D: usize> {
     pub(crate) holds_rejection: bool,
     /// Share of the largest eigenvalue up to which a motion is not made.
     pub(crate) null_tolerance: f64,
+    /// Whether these are so many points that no step is made, nor followed by a search for feet, which the noise makes meaningless.
+    pub(crate) is_long: bool,
     pub(crate) tolerance: f64,
     pub(crate) max_iterations: usize,
 }
@@ -58,8 +63,6 @@ pub(crate) type History = Vec<StepRecord>;
 const TRUST: f64 = 0.3;
 /// A motion below which the cost is all rounding, so that nothing is concluded from its change.
 const ROUNDING: f64 = 1e-7;
-/// First damping, as a share of the largest eigenvalue, and the last.
-const DAMPING: [f64; 2] = [1e-3, 1e8];
 /// A step creeps when it lowers the cost by less than the first share, and is longer than the second share of the one before.
 /// After so many of them one after the other the rest is a motion along the shape that makes no difference.
 const CREEPING: (f64, f64, u32) = (1e-7, 0.9, 8);
@@ -69,10 +72,12 @@ const INSIGNIFICANT: f64 = 0.0625;
 /// A step idles when it is shorter than the first number and lowers the cost by less than the second share: clouds that stand for a
 /// surface have a cost with small steps and corners, on which the iteration goes to and fro. Ended after so many in a row.
 const IDLE: (f64, f64, u32) = (1e-8, 1e-6, 3);
+/// Where each step takes long, the share of the standard error of the mean distance below which what is left does not matter, and that
+/// up to which a step is made on the feet that are known, if the one before was so much longer.
+const MEANINGLESS: f64 = 1e-4;
+const LAST: (f64, f64) = (0.05, 0.05);
 /// Motions below this share of the standard error of the mean distance mean nothing either.
 const NEGLIGIBLE: f64 = 0.02;
-/// Largest growth of a step: the models of the distances know little of shapes of another size.
-const GROWTH: f64 = 0.5;
 /// Fewest directions that determine a motion.
 pub(crate) const fn fewest(dimension: usize) -> usize {
     dimension
@@ -129,6 +134,7 @@ impl<const D: usize> Problem<'_, D> {
             last_motion: f64::INFINITY,
             creeping: 0,
             idle: 0,
+            settled_cost: f64::INFINITY,
             evaluations: 0,
             anderson: (stage.method == Method::AndersonPoint
                 && !self.options.locks.any()
@@ -165,6 +171,8 @@ struct Run<'a, const D: usize> {
     creeping: u32,
     /// The same for [`IDLE`].
     idle: u32,
+    /// Where whole steps were tried.
+    settled_cost: f64,
     evaluations: usize,
     anderson: Option<Anderson<D>>,
 }
@@ -198,6 +206,14 @@ impl<const D: usize> Run<'_, D> {
         if !models.system.cost.is_finite() {
             return ControlFlow::Break(Status::Diverged);
         }
+        if let Some(status) = self.last_step(&models, history) {
+            return ControlFlow::Break(status);
+        }
+        if self.damping > 0.0 && self.may_settle(&models) {
+            if let Some(status) = self.settle(models.system.cost, history) {
+                return ControlFlow::Break(status);
+            }
+        }
         let evaluations = self.evaluations;
         let newton = self.newton_is_next(&models);
         let mut name = self.stage.method.name();
@@ -215,6 +231,11 @@ impl<const D: usize> Run<'_, D> {
             trial = self.search(&models, None);
         }
         let Some(trial) = trial else {
+            if self.may_settle(&models) {
+                if let Some(status) = self.settle(models.system.cost, history) {
+                    return ControlFlow::Break(status);
+                }
+            }
             // Nothing lowers the cost: at a minimum its slope is rounding only.
             let spectrum = models.newton.as_ref().map_or(&models.linear, |n| &n.1);
             let step = models.scaled.step(spectrum, 0.0);
@@ -224,22 +245,16 @@ impl<const D: usize> Run<'_, D> {
             return ControlFlow::Break(if small { Status::Converged } else { Status::Stalled });
         };
         self.judge_newton(&models, &trial);
-        let velocity = models.freedom.velocity(&trial.step);
         let ratio = if self.last_motion.is_finite() { trial.motion / self.last_motion } else { 1.0 };
         self.last_motion = trial.motion;
         self.view = trial.view;
         let (rms, points) = self.view.rms(&self.base, &self.weighting);
+        let angle = models.freedom.velocity(&trial.step).angle();
         let record = StepRecord {
-            stage: self.stage.name,
-            step: name,
-            points,
-            rms: rms * self.view.unit(),
-            motion: trial.motion,
-            angle: velocity.angle(),
-            damping: self.damping,
+            angle,
             factor: trial.factor,
-            evaluations: self.evaluations - evaluations,
-            scale: self.weighting.scale().map(|scale| scale * self.view.unit()),
+            damping: self.damping,
+            ..self.record(name, trial.motion, (rms, points), evaluations)
         };
         history.push(record);
         if !self.view.pose.is_finite() || !trial.cost.is_finite() {
@@ -252,7 +267,10 @@ impl<const D: usize> Run<'_, D> {
         let left = if ratio < 1.0 { trial.motion * ratio / (1.0 - ratio) } else { trial.motion };
         let full = self.damping == 0.0 && trial.factor == 1.0;
         let ends = if full {
-            left <= self.tolerance() || trial.motion <= self.tolerance()
+            let meaningless =
+                if self.stage.is_long { MEANINGLESS * self.standard_error(rms, points) } else { 0.0 };
+            let enough = self.tolerance().max(meaningless);
+            left <= enough || trial.motion <= enough
         } else {
             // Where the cost has steps, as that of points which change their neighbours, a full step may raise it a little. That
             // does not matter where the whole of it would have been too short to make.
@@ -278,6 +296,50 @@ impl<const D: usize> Run<'_, D> {
             return ControlFlow::Break(Status::Converged);
         }
         ControlFlow::Continue(())
+    }
+
+    /// Ends a long stage with a step that is too short for feet or distances to change by it.
+    fn last_step(&mut self, models: &Models<D>, history: &mut History) -> Option<Status> {
+        if !self.stage.is_long || self.stage.method != Method::Adaptive || self.damping > 0.0 {
+            return None;
+        }
+        let newton = models.newton.as_ref().filter(|_| self.newton_is_next(models));
+        let step = models.scaled.step(newton.map_or(&models.linear, |n| &n.1), 0.0);
+        let motion = self.motion(models, &step);
+        let (rms, points) = self.view.rms(&self.base, &self.weighting);
+        if !(motion <= LAST.0 * self.standard_error(rms, points) && motion <= LAST.1 * self.last_motion) {
+            return None;
+        }
+        self.view.pose = self.problem.chart.advance(&self.view.pose, &models.freedom, &step);
+        let name = if newton.is_some() { "newton" } else { self.stage.method.term().name() };
+        let angle = models.freedom.velocity(&step).angle();
+        let record = StepRecord { angle, ..self.record(name, motion, (rms, points), self.evaluations) };
+        history.push(record);
+        let is_cancelled = (self.problem.progress)(&record).is_break();
+        Some(if is_cancelled { Status::Cancelled } else { Status::Converged })
+    }
+
+    /// What is told of a whole step to the view, which fits so well, since some number of evaluations.
+    fn record(
+        &self,
+        name: &'static str,
+        motion: f64,
+        (rms, points): (f64, usize),
+        evaluations: usize,
+    ) -> StepRecord {
+        let unit = self.view.unit();
+        StepRecord {
+            stage: self.stage.name,
+            step: name,
+            points,
+            rms: rms * unit,
+            motion,
+            angle: 0.0,
+            damping: 0.0,
+            factor: 1.0,
+            evaluations: self.evaluations - evaluations,
+            scale: self.weighting.scale().map(|scale| scale * unit),
+        }
     }
 
     /// The standard error of a mean distance as a share of the size of the cloud: about what the noise lets a pose mean.
@@ -318,109 +380,5 @@ impl<const D: usize> Run<'_, D> {
         let foretold = models.vector.dot(&trial.step) + 0.5 * trial.step.dot(&(matrix * &trial.step));
         let change = 0.5 * (trial.cost - models.system.cost);
         self.trusted = (change - foretold).abs() <= TRUST * change.abs();
-    }
-
-    fn attempt(&mut self, models: &Models<D>, mut step: DVector<f64>, factor: f64) -> Trial<D> {
-        let growth = models.freedom.velocity(&step).growth.abs();
-        if growth > GROWTH {
-            step *= GROWTH / growth;
-        }
-        let pose = self.problem.chart.advance(&self.view.pose, &models.freedom, &step);
-        self.attempt_pose(models, pose, step, factor)
-    }
-
-    fn attempt_pose(
-        &mut self,
-        models: &Models<D>,
-        pose: Pose<D>,
-        step: DVector<f64>,
-        factor: f64,
-    ) -> Trial<D> {
-        let motion = self.motion(models, &step);
-        let search = match self.problem.options.footpoints {
-            FootpointPolicy::Full => Search::Global,
-            FootpointPolicy::WarmStart => Search::Local,
-            FootpointPolicy::OneStep => Search::OneStep,
-            FootpointPolicy::Adaptive if motion > NEAR => Search::Global,
-            FootpointPolicy::Adaptive => Search::Local,
-        };
-        let (field, cloud) = (self.problem.field, self.stage.cloud);
-        let view = match self.weighting {
-            // Which points are rejected does not change, and beyond the limit all count the same.
-            Weighting::Cut { limit } if self.stage.holds_rejection => {
-                self.view
-                    .moved(field, cloud, pose, search, &|i, distance| self.base[i] == 0.0 || distance > limit)
-            }
-            _ => View::new(field, cloud, pose, search, Some(&self.view), self.problem.options.scale),
-        };
-        self.evaluations += 1;
-        let cost = view.cost(&self.base, &self.weighting);
-        Trial { view, cost, step, motion, factor }
-    }
-
-    /// The accelerated step, or the plain one if that raises the cost.
-    fn accelerated(&mut self, models: &Models<D>) -> Option<Trial<D>> {
-        let step = models.scaled.step(&models.linear, 0.0);
-        let plain = self.problem.chart.advance(&self.view.pose, &models.freedom, &step);
-        let pose = self.anderson.as_mut().map_or(plain, |a| a.accelerated(&self.view.pose, &plain));
-        let trial = self.attempt_pose(models, pose, step, 1.0);
-        if trial.cost <= models.system.cost || trial.motion < ROUNDING {
-            return Some(trial);
-        }
-        if let Some(anderson) = &mut self.anderson {
-            anderson.reset();
-        }
-        Some(self.attempt_pose(models, plain, trial.step, 1.0))
-    }
-
-    /// The step of Newton's spectrum, or of the linear one, under control; `None` if no step lowers the cost.
-    fn search(&mut self, models: &Models<D>, newton: Option<&Spectrum>) -> Option<Trial<D>> {
-        let spectrum = newton.unwrap_or(&models.linear);
-        let largest = spectrum.largest();
-        // Away from a minimum the matrix of Newton's method may be indefinite: lift it.
-        let lift = (1e-6 * largest - spectrum.smallest()).max(0.0);
-        let lift = if newton.is_some() { lift } else { 0.0 };
-        let slack = 1e-12 * models.system.cost;
-        match self.problem.options.control {
-            StepControl::None => {
-                let step = models.scaled.step(spectrum, 0.0);
-                Some(self.attempt(models, step, 1.0))
-            }
-            StepControl::Armijo => {
-                let full = models.scaled.step(spectrum, lift);
-                let slope = models.vector.dot(&full);
-                let mut factor = 1.0;
-                while factor > 1e-10 {
-                    let trial = self.attempt(models, &full * factor, factor);
-                    let promised = models.system.cost + 2.0 * 1e-4 * factor * slope;
-                    if trial.cost <= promised + slack || trial.motion < ROUNDING {
-                        return Some(trial);
-                    }
-                    factor *= 0.5;
-                }
-                None
-            }
-            StepControl::LevenbergMarquardt => {
-                loop {
-                    let step = models.scaled.step(spectrum, lift + self.damping * largest);
-                    let trial = self.attempt(models, step, 1.0);
-                    let fell = trial.cost <= models.system.cost + slack;
-                    if fell || trial.motion < ROUNDING && trial.cost.is_finite() {
-                        // The record shows the damping of this step; the next one starts with less.
-                        self.damping = if self.damping > DAMPING[0] { self.damping * 0.1 } else { 0.0 };
-                        return Some(trial);
-                    }
-                    // Where not even the whole step would be worth making, no shorter one is looked for.
-                    let is_short = self.damping == 0.0 && trial.motion <= self.tolerance();
-                    self.damping = (self.damping * 10.0).max(DAMPING[0]);
-                    if is_short
-                        || self.damping > DAMPING[1]
-                        || newton.is_some() && self.stage.method == Method::Adaptive
-                    {
-                        return None;
-                    }
-                }
-            }
-        }
     }
 }
