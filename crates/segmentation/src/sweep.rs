@@ -161,6 +161,32 @@ fn rms(distances: &[f64]) -> f64 {
 /// much for them, many in narrow ones.
 const SAMPLES: [(usize, usize); 2] = [(600, 40), (4000, 16)];
 
+/// Covariance of the unknowns of a motion for a noise: tilts of the axis, shifts across it, advance per radian, as far as it has them. `None`
+/// where the points do not determine it.
+pub(crate) fn covariance(sweep: &Sweep, points: &[Point3<f64>], sigma: f64) -> Option<DMatrix<f64>> {
+    let (count, most) = SAMPLES[0];
+    let stride = points.len().div_ceil(count).max(1);
+    let some: Vec<Point3<f64>> = points.iter().copied().step_by(stride).collect();
+    let centre = mean(&some);
+    let extent = some.iter().map(|p| (p - centre).norm()).fold(f64::MIN_POSITIVE, f64::max);
+    let n = sweep.unknowns();
+    let mut jacobian = DMatrix::<f64>::zeros(some.len(), n);
+    for k in 0..n {
+        let width = if k < 2 { sigma / extent } else { sigma };
+        let mut step = [0.0; 5];
+        step[k] = width;
+        let above = sweep.moved(&step).distances(&some, most)?;
+        step[k] = -width;
+        let below = sweep.moved(&step).distances(&some, most)?;
+        for i in 0..some.len() {
+            jacobian[(i, k)] = (above[i] - below[i]) / (2.0 * width);
+        }
+    }
+    let inverse = jacobian.tr_mul(&jacobian).cholesky()?.inverse();
+    // All points determine it better than those that were looked at.
+    Some(inverse * (sigma * sigma * some.len() as f64 / points.len() as f64))
+}
+
 /// The simplest motion whose profile agrees with the noise, and the standard deviation of the distances.
 pub(crate) fn decide_sweep(
     points: &[Point3<f64>],
