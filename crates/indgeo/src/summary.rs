@@ -50,6 +50,7 @@ fn write_projection(text: &mut String, report: &Report, results: &ProjectionResu
         let piece = match model.kind {
             "mesh" => "triangle",
             "cad" => "face",
+            "level_set" => "crossing",
             _ => "Bézier piece",
         };
         writeln!(
@@ -75,7 +76,12 @@ fn write_projection(text: &mut String, report: &Report, results: &ProjectionResu
         let name = quoted(worst.name.as_deref());
         writeln!(text, "  worst     {} at point {} (from 0){name}", plain(worst.distance), worst.index)?;
     }
-    if let Some(gap) = results.largest_gap {
+    if report.model.as_ref().is_some_and(|model| model.kind == "level_set") {
+        writeln!(
+            text,
+            "  proven    none: each foot is the nearest that is found from the crossings next to its point"
+        )?;
+    } else if let Some(gap) = results.largest_gap {
         let wide = results.wide_gaps.map_or_else(String::new, |wide| {
             let share = percent(wide as u64, results.points as u64, Rounding::Up);
             format!("; by more than 1e-7 of its diagonal at {wide} points ({share})")
