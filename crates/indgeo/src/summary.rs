@@ -76,12 +76,7 @@ fn write_projection(text: &mut String, report: &Report, results: &ProjectionResu
         let name = quoted(worst.name.as_deref());
         writeln!(text, "  worst     {} at point {} (from 0){name}", plain(worst.distance), worst.index)?;
     }
-    if report.model.as_ref().is_some_and(|model| model.kind == "level_set") {
-        writeln!(
-            text,
-            "  proven    none: each foot is the nearest that is found from the crossings next to its point"
-        )?;
-    } else if let Some(gap) = results.largest_gap {
+    if let Some(gap) = results.largest_gap {
         let wide = results.wide_gaps.map_or_else(String::new, |wide| {
             let share = percent(wide as u64, results.points as u64, Rounding::Up);
             format!("; by more than 1e-7 of its diagonal at {wide} points ({share})")
@@ -90,13 +85,11 @@ fn write_projection(text: &mut String, report: &Report, results: &ProjectionResu
     } else if report.model.as_ref().is_some_and(|model| model.kind != "mesh") {
         let mode = report.options.as_ref().map_or("", |options| options.mode);
         let what = match mode {
+            "certified" => "each foot is found from the crossings next to its point",
             "local" => "each foot is the local minimum next to a nearby sample",
             _ => "each foot is the best of several local minima",
         };
-        writeln!(
-            text,
-            "  proven    none: in mode {mode} {what}; another point may be nearer, lower_bound is empty"
-        )?;
+        writeln!(text, "  proven    none: in mode {mode} {what}; another point may be nearer")?;
     }
     write_end(text, report)
 }
