@@ -209,6 +209,17 @@ const MEASUREMENTS: &[Measurement] = &[
         one_thread: true,
     },
     Measurement {
+        name: "fields",
+        title: "Distances on grids and on meshes",
+        about: "Errors and orders of distances on grids, time of each method, obstacles, signs, geodesic distances and closed forms of the \
+                feature sensitive metric. Wanted: marching of its order, Tsai's sweeping exact for one source, redistancing of order 3.5 or \
+                more in 1.5 us per node, obstacles without a wrong node in 7 times the time of sweeping; signed distances of a mesh in 1.1 us \
+                per node without a wrong sign; geodesic distances in .45 us per vertex, exact ones in 20.",
+        program: "fields",
+        arguments: &[],
+        one_thread: true,
+    },
+    Measurement {
         name: "cad",
         title: "Trimmed faces of CAD files",
         about: "Counts of faces, largest edge tolerances, areas of every face, distances and sides of points against tables that were made \

@@ -3,6 +3,7 @@
 use crate::cad_output::{self, CadArgs, CadFormat};
 use crate::cad_shapes;
 use crate::error::Error;
+use crate::field_model::{self, LevelSet};
 use crate::files;
 use crate::report::{Input, Output, Report, Timings};
 use crate::sampling;
@@ -30,7 +31,7 @@ pub(crate) struct Scan {
 }
 
 impl Scan {
-    /// Reads a cloud or a mesh, or, if `shapes` says so, takes points from NURBS surfaces and the faces of CAD models.
+    /// Reads a cloud, a mesh or the level set of a field, or, if `shapes` says so, takes points from NURBS surfaces and the faces of CAD models.
     ///
     /// Of a file with more than `most` points an even sample is read, where its format allows that.
     pub(crate) fn read(path: &Path, shapes: bool, most: u32, report: &mut Report) -> Result<Self, Error> {
@@ -38,6 +39,9 @@ impl Scan {
             let samples = cad.model.samples(SAMPLES * SAMPLES);
             let (points, normals) = samples.into_iter().map(|sample| (sample.point, sample.normal)).unzip();
             return Ok(Self { points, normals: Some(normals), mesh: None });
+        }
+        if field_model::is_grid(path) {
+            return Self::of_grid(path, report);
         }
         let mut seconds = report.timings.read;
         let loaded = Timings::measure(&mut seconds, || sampling::read(path, most, report))?;
@@ -65,6 +69,20 @@ impl Scan {
                 Err(Error::content(path, what, "give a cloud or a mesh"))
             }
         }
+    }
+
+    /// The crossings of the grid lines with the level set of a field, and the normals there.
+    fn of_grid(path: &Path, report: &mut Report) -> Result<Self, Error> {
+        let (found, read) = field_model::read(path)?;
+        let mut input = Input::new("points", path, &read);
+        input.read.format = files::extension(path);
+        report.add_input(input);
+        let LevelSet::Space(field) = found else {
+            return Err(Error::content(path, "the field lies in the plane", "give one in space"));
+        };
+        let points: Vec<Vector3<f64>> = field.crossings().collect();
+        let normals = points.iter().map(|point| field.taylor(point).1).collect();
+        Ok(Self { points, normals: Some(normals), mesh: None })
     }
 
     fn sampled(model: Model, path: &Path) -> Result<Self, Error> {

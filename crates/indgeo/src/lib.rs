@@ -33,6 +33,7 @@ mod demo;
 mod error;
 mod evolution;
 mod field;
+mod field_model;
 mod files;
 mod fit_numbers;
 mod fitting_curve;

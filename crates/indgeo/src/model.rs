@@ -2,6 +2,7 @@
 
 use crate::cad::{CadModel, Choice};
 use crate::error::Error;
+use crate::field_model::{self, LevelSet};
 use crate::files;
 use crate::report::Input;
 use crate::wording::counted;
@@ -35,6 +36,8 @@ pub(crate) enum Model {
     Mesh(TriangleMesh),
     /// A CAD model.
     Cad(CadModel),
+    /// The level set 0 of values on a grid.
+    LevelSet(LevelSet),
 }
 
 /// A model as read.
@@ -59,10 +62,14 @@ pub(crate) fn whole(model: &industrial_geometry::io::Model) -> Option<String> {
 }
 
 impl Loaded {
-    /// Reads NURBS JSON, a mesh or a CAD file.
+    /// Reads NURBS JSON, a mesh, a CAD file or a grid.
     pub(crate) fn read(path: &Path, choice: &Choice) -> Result<Self, Error> {
         if let Some(cad) = CadModel::read(path, choice)? {
             return Ok(Self::of_cad(cad, path));
+        }
+        if field_model::is_grid(path) {
+            let (found, report) = field_model::read(path)?;
+            return Ok(Self { model: Model::LevelSet(found), shapes: vec![("level_set", None)], report });
         }
         let loaded = files::read(path, &ReadOptions::default())?;
         let mut report = loaded.report;
@@ -109,8 +116,10 @@ impl Loaded {
     /// The file as an input of a report.
     pub(crate) fn input(&self, path: &Path) -> Input {
         let mut input = Input::new("model", path, &self.report);
-        if let Model::Cad(cad) = &self.model {
-            input.read.format = cad.format.to_owned();
+        match &self.model {
+            Model::Cad(cad) => cad.format.clone_into(&mut input.read.format),
+            Model::LevelSet(_) => input.read.format = files::extension(path),
+            _ => {}
         }
         input
     }

@@ -13,7 +13,7 @@ use crate::projection_results::ResultsSum;
 use crate::report::{Input, ModelSummary, Options, Output, ProjectionResults, Report, Results, Timings};
 use crate::target::{Foot, Target};
 use crate::wording::{counted, not_finite};
-use industrial_geometry::footpoint::{ProjectionOptions, Status};
+use industrial_geometry::footpoint::{Mode, ProjectionOptions, Status};
 use industrial_geometry::io::ReadReport;
 use std::path::Path;
 
@@ -122,6 +122,12 @@ impl Prepared {
         report.add_input(Input::new("points", job.points, read));
         warn(report, job, &self.warnings, read);
         report.warn_now(self.cad.as_ref().and_then(|cad| cad.unit_warning(diagonal)), job.quiet);
+        if matches!(self.target, Target::LevelSet(_)) && job.options.mode == Mode::Certified {
+            report.warnings.push(format!(
+                "{}: there is no proof for the nearest point of a level set; --mode fast asks for none",
+                job.model.display()
+            ));
+        }
         report.model = Some(summarise(&self.target, self.shapes.len()));
         report.options = Some(Options {
             mode: job.mode.name(),
@@ -266,6 +272,7 @@ fn summarise(target: &Target, shapes: usize) -> ModelSummary {
         Target::Space { surfaces, .. } => ("nurbs", 3, surfaces.is_some()),
         Target::Mesh(mesh) => ("mesh", 3, mesh.is_solid()),
         Target::Cad(_) => ("cad", 3, true),
+        Target::LevelSet(_) => ("level_set", if target.is_planar() { 2 } else { 3 }, true),
     };
     let (unit, points_unit) = match target {
         Target::Cad(cad) => (Some(cad.unit().to_owned()), Some(cad.points_unit())),

@@ -10,7 +10,6 @@ use crate::progress::Progress;
 use crate::projection::{self, Job, Prepared};
 use crate::projection_results::ResultsSum;
 use crate::report::{Output, Report, Timings};
-use crate::target::Target;
 use crate::wording::counted;
 use industrial_geometry::io::{self, Piece, ReadOptions, ReadReport};
 use industrial_geometry::mesh::BoundingBox;
@@ -38,7 +37,7 @@ fn options(job: &Job<'_>) -> ReadOptions {
 /// Counts the points; `None` where they have to be read as a whole.
 pub(crate) fn survey(job: &Job<'_>, prepared: &Prepared) -> Result<Option<Survey>, Error> {
     // Points in the plane are not read in pieces.
-    if matches!(prepared.target, Target::Plane(_)) {
+    if prepared.target.is_planar() {
         return Ok(None);
     }
     let began = Instant::now();

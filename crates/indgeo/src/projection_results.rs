@@ -124,7 +124,7 @@ impl ResultsSum {
             location: self.location,
             multiplicity: self.multiplicity,
             distance,
-            largest_gap: self.largest_gap.filter(|_| job.mode == SearchMode::Certified),
+            largest_gap: self.largest_gap.filter(|gap| job.mode == SearchMode::Certified && !gap.is_nan()),
             wide_gaps: self.cad.as_ref().map(|cad| cad.wide_gaps),
             undecided_sides: self.cad.as_ref().map(|cad| cad.undecided_sides),
             shapes: per_shape.collect(),

@@ -2,8 +2,8 @@
 
 use crate::cad::{CadModel, Choice};
 use crate::contour::refused;
-use crate::contour::source::{self, Source};
 use crate::error::Error;
+use crate::field_model::{self, LevelSet};
 use crate::files;
 use crate::model::{self, Loaded};
 use crate::registration_field::RegistrationField;
@@ -12,8 +12,7 @@ use industrial_geometry::distance_field::{
     BrepField, CloudField, CurveField, DistanceField, LevelSetField, MeshField, PlanarCloudField,
     SurfaceField,
 };
-use industrial_geometry::io::{Content, Format, ReadOptions, ReadReport, Shape};
-use industrial_geometry::level_set;
+use industrial_geometry::io::{Content, ReadOptions, ReadReport, Shape};
 use industrial_geometry::level_set::surface::{dual_contour, of_field};
 use industrial_geometry::mesh::{MeshProjector, PointCloud, TriangleMesh};
 use industrial_geometry::nurbs::{BsplineCurve, BsplineSurface, ParametricSurface};
@@ -60,8 +59,13 @@ impl RegistrationModel {
             let report = Loaded::of_cad(cad.clone(), path).report;
             return Ok((Self::Cad(cad), report));
         }
-        if matches!(files::extension(path).as_str(), "vti" | "npy") {
-            return Self::read_grid(path);
+        if field_model::is_grid(path) {
+            let (found, report) = field_model::read(path)?;
+            let model = match found {
+                LevelSet::Plane(field) => Self::PlanarLevelSet(field),
+                LevelSet::Space(field) => Self::LevelSet(field),
+            };
+            return Ok((model, report));
         }
         let loaded = files::read(path, &ReadOptions::default().with_drop_non_finite(true))?;
         let report = loaded.report;
@@ -85,46 +89,6 @@ impl RegistrationModel {
             }
         };
         Ok((model, report))
-    }
-
-    /// Reads values on a grid, of which the level set 0 is the model.
-    fn read_grid(path: &Path) -> Result<(Self, ReadReport), Error> {
-        let Source::Grid(grid) = source::read(path)? else {
-            return Err(Error::content(
-                path,
-                "this is an image, not a grid",
-                "give the grid of a field (.vti)",
-            ));
-        };
-        if grid.place.is_none() {
-            let what = "an NPY file does not say where its nodes lie";
-            return Err(Error::content(
-                path,
-                what,
-                "write the field as .vti (`indgeo field SHAPE -o FIELD.vti`)",
-            ));
-        }
-        let failed = |error: level_set::Error| refused(path, &error);
-        let model = if grid.counts.len() == 2 {
-            let function = grid.level_function::<2>(0.0, None).map_err(failed)?;
-            LevelSetField::<2>::new(&function).map(|field| Self::PlanarLevelSet(Box::new(field)))
-        } else {
-            let function = grid.level_function::<3>(0.0, None).map_err(failed)?;
-            LevelSetField::<3>::new(&function).map(|field| Self::LevelSet(Box::new(field)))
-        };
-        let report = ReadReport {
-            path: Some(path.to_path_buf()),
-            // Not looked at: the format of a grid is its own.
-            format: Format::Json,
-            points: 0,
-            triangles: 0,
-            shapes: 1,
-            non_finite: 0,
-            dropped: 0,
-            scans: Vec::new(),
-            warnings: Vec::new(),
-        };
-        Ok((model.map_err(|error| failed(error.into()))?, report))
     }
 
     fn of_shapes(shapes: Vec<Shape>, path: &Path, warnings: &mut Vec<String>) -> Result<Self, Error> {

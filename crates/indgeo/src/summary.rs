@@ -50,6 +50,7 @@ fn write_projection(text: &mut String, report: &Report, results: &ProjectionResu
         let piece = match model.kind {
             "mesh" => "triangle",
             "cad" => "face",
+            "level_set" => "crossing",
             _ => "Bézier piece",
         };
         writeln!(
@@ -84,13 +85,11 @@ fn write_projection(text: &mut String, report: &Report, results: &ProjectionResu
     } else if report.model.as_ref().is_some_and(|model| model.kind != "mesh") {
         let mode = report.options.as_ref().map_or("", |options| options.mode);
         let what = match mode {
+            "certified" => "each foot is found from the crossings next to its point",
             "local" => "each foot is the local minimum next to a nearby sample",
             _ => "each foot is the best of several local minima",
         };
-        writeln!(
-            text,
-            "  proven    none: in mode {mode} {what}; another point may be nearer, lower_bound is empty"
-        )?;
+        writeln!(text, "  proven    none: in mode {mode} {what}; another point may be nearer")?;
     }
     write_end(text, report)
 }

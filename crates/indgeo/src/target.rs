@@ -2,16 +2,18 @@
 
 use crate::cad::{self, CadModel};
 use crate::error::Error;
+use crate::field_model::LevelSet;
 use crate::model::{Indexed, Model};
 use crate::points::Points;
 use crate::threads;
 use industrial_geometry::brep::{self, On};
+use industrial_geometry::distance_field::{DistanceField, Hint, PrincipalFrame, Search};
 use industrial_geometry::footpoint::Facing;
 use industrial_geometry::footpoint::{
     self, CurveFootpoint, CurveProjector, Location, Mode, Multiplicity, ProjectionOptions, Status,
     SurfaceFootpoint, SurfaceProjector,
 };
-use industrial_geometry::mesh::nalgebra::{Point3, Vector3};
+use industrial_geometry::mesh::nalgebra::{Point3, SVector, Vector3};
 use industrial_geometry::mesh::{self, Feature, MeshFootpoint, MeshProjector};
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -89,6 +91,8 @@ pub(crate) enum Target {
     Mesh(Box<MeshProjector>),
     /// A CAD model.
     Cad(Box<CadModel>),
+    /// The level set 0 of values on a grid.
+    LevelSet(LevelSet),
 }
 
 impl Target {
@@ -108,10 +112,16 @@ impl Target {
                 Self::Mesh(Box::new(MeshProjector::new(&mesh).map_err(mesh_error)?))
             }
             Model::Cad(cad) => Self::Cad(Box::new(cad)),
+            Model::LevelSet(field) => Self::LevelSet(field),
         })
     }
 
-    /// Number of Bézier pieces, faces or triangles that are searched.
+    /// Whether it lies in the plane, and takes points of two columns.
+    pub(crate) fn is_planar(&self) -> bool {
+        matches!(self, Self::Plane(_) | Self::LevelSet(LevelSet::Plane(_)))
+    }
+
+    /// Number of Bézier pieces, faces, triangles or crossings of grid lines that are searched.
     pub(crate) fn piece_count(&self) -> usize {
         match self {
             Self::Plane(curves) => curves.piece_count(),
@@ -121,6 +131,8 @@ impl Target {
             }
             Self::Mesh(mesh) => mesh.topology().triangles - mesh.skipped(),
             Self::Cad(cad) => cad.face_count(),
+            Self::LevelSet(LevelSet::Plane(field)) => field.crossings().len(),
+            Self::LevelSet(LevelSet::Space(field)) => field.crossings().len(),
         }
     }
 
@@ -131,6 +143,7 @@ impl Target {
             Self::Mesh(mesh) if mesh.topology().is_oriented() => return Ok(()),
             Self::Mesh(_) => "neighbouring triangles disagree on the side of their normals",
             Self::Plane(_) | Self::Space { .. } => "the model has curves, which have no normals",
+            Self::LevelSet(_) => "on a level set only the nearest feet are looked for",
         };
         Err(Error::content(
             path,
@@ -151,7 +164,11 @@ impl Target {
     ) -> Result<Vec<Foot>, Error> {
         let feet = self.search(points, path, options, max_angle, progress)?;
         // Without a proof the bound of the library is 0, which says nothing.
-        let is_proven = options.mode == Mode::Certified || matches!(self, Self::Mesh(_) | Self::Cad(_));
+        let is_proven = match self {
+            Self::Mesh(_) | Self::Cad(_) => true,
+            Self::LevelSet(_) => false,
+            Self::Plane(_) | Self::Space { .. } => options.mode == Mode::Certified,
+        };
         let unproven = |foot: Foot| Foot { lower_bound: f64::NAN, ..foot };
         Ok(if is_proven { feet } else { feet.into_iter().map(unproven).collect() })
     }
@@ -207,6 +224,22 @@ impl Target {
                     (Some(feet), None) | (None, Some(feet)) => feet,
                     (None, None) => Vec::new(),
                 })
+            }
+            Self::LevelSet(LevelSet::Plane(field)) => {
+                let queries = points.in_plane(path)?;
+                let is_proof_wanted = options.mode == Mode::Certified;
+                let cancelled = Foot::none(Status::Cancelled);
+                Ok(threads::map(&queries, &cancelled, progress, |x| {
+                    level_foot(x, &field.frame(x, Search::Global, &Hint::NONE), is_proof_wanted)
+                }))
+            }
+            Self::LevelSet(LevelSet::Space(field)) => {
+                let queries = points.in_space(path)?;
+                let is_proof_wanted = options.mode == Mode::Certified;
+                let cancelled = Foot::none(Status::Cancelled);
+                Ok(threads::map(&queries, &cancelled, progress, |x| {
+                    level_foot(x, &field.frame(x, Search::Global, &Hint::NONE), is_proof_wanted)
+                }))
             }
             Self::Cad(cad) => {
                 points.in_space(path)?;
@@ -299,6 +332,29 @@ fn curve_foot<const D: usize>(foot: &CurveFootpoint<D>, shape: u32) -> Foot {
         multiplicity: foot.multiplicity,
         entity: u32::MAX,
         side: "none",
+    }
+}
+
+/// The foot on a level set, found from the crossing of a grid line next to the point: there is no proof that none is nearer.
+fn level_foot<const D: usize>(x: &SVector<f64, D>, frame: &PrincipalFrame<D>, is_proof_wanted: bool) -> Foot {
+    if frame.distance.is_nan() {
+        return Foot::none(frame.status);
+    }
+    let mut point = [0.0; 3];
+    for (to, from) in point.iter_mut().zip(frame.foot.iter()) {
+        *to = *from;
+    }
+    let status = match frame.status {
+        Status::Converged | Status::OnBoundary if is_proof_wanted => Status::Uncertified,
+        other => other,
+    };
+    Foot {
+        point,
+        // At the border of the grid the foot is not orthogonal.
+        distance: (x - frame.foot).norm().copysign(frame.distance),
+        status,
+        location: if frame.on_boundary { "edge" } else { "interior" },
+        ..Foot::none(status)
     }
 }
 

@@ -23,6 +23,7 @@ pub use level_set;
 pub use mesh_core as mesh;
 pub use nurbs_core as nurbs;
 pub use pc_io as io;
+pub use picture;
 pub use sdm_fit as fit;
 pub use sdm_register as register;
 pub use segmentation;

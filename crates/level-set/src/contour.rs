@@ -4,12 +4,21 @@ use crate::Error;
 use distance_field::{Grid, LevelSetField, Saddles};
 use mesh_core::Polyline;
 
+/// Cells of the lattice on which contours are traced, along a side of a cell of the grid: as many as the number of its nodes allows.
+const DETAIL: [usize; 3] = [4, 3, 2];
+const MOST_NODES: usize = 30_000_000;
+
 /// The zero set of a level function in the plane: a field with its contours, the longest first.
 ///
 /// # Errors
 /// [`Error::Empty`] where the function does not change its sign.
 pub fn contours(grid: &Grid<2>, saddles: Saddles) -> Result<LevelSetField<2>, Error> {
-    match LevelSetField::<2>::with_saddles(grid, saddles) {
+    // Where nodes decide what is connected, parts that no node sees are none.
+    let detail = match saddles {
+        Saddles::Middle => DETAIL.iter().copied().find(|d| grid.values().len() * d * d <= MOST_NODES),
+        Saddles::Separate => None,
+    };
+    match LevelSetField::<2>::with_detail(grid, saddles, detail.unwrap_or(1)) {
         Err(distance_field::Error::NoPoints { .. }) => Err(empty(grid.values())),
         other => Ok(other?),
     }

@@ -1,7 +1,8 @@
 //! Level sets in the plane become B-spline curves (\[P05, sec. 4.6\]).
 
 use crate::contour::signed_area;
-use crate::measure::{Gap, along, gap};
+use crate::correct::in_order;
+use crate::measure::{Gap, Sample, along, denser, gap};
 use crate::{Error, parallel};
 use distance_field::{ErrorTerm, LevelSetField};
 use mesh_core::Polyline;
@@ -140,7 +141,7 @@ pub fn fit_contours(
 /// A contour with its points.
 struct Work<'a> {
     field: &'a LevelSetField<2>,
-    samples: Vec<(f64, Vector2<f64>)>,
+    samples: Vec<Sample>,
     length: f64,
     is_closed: bool,
     options: &'a FitOptions,
@@ -179,7 +180,7 @@ fn fit_contour(
     contour: &Polyline<2>,
     options: &FitOptions,
 ) -> Result<FittedContour, Error> {
-    let work = Work {
+    let mut work = Work {
         field,
         samples: along(field, contour),
         length: contour.length(),
@@ -217,7 +218,7 @@ impl Work<'_> {
     }
 
     /// The curve that is asked for, or the nearest one that was found.
-    fn best(&self) -> Result<Candidate, Error> {
+    fn best(&mut self) -> Result<Candidate, Error> {
         let even = |spans: usize| (0..=spans).map(|k| k as f64 / spans as f64).collect::<Vec<f64>>();
         let degree = self.options.degree;
         if let Some(controls) = self.options.controls {
@@ -231,9 +232,22 @@ impl Work<'_> {
         let mut best = self.drawn(&breaks)?;
         let mut latest: Option<Candidate> = None;
         for _ in 0..ROUNDS {
-            let split = self.split(&breaks, latest.as_ref().unwrap_or(&best));
-            let most = self.options.max_controls;
-            if self.is_good(&best) || split.len() == breaks.len() || split.len() + degree > most {
+            if self.is_good(&best) {
+                break;
+            }
+            let known = latest.as_ref().unwrap_or(&best);
+            let mut split = self.split(&breaks, known);
+            if split.len() == breaks.len() {
+                // Too few points for more spans where these are wanted.
+                let bad = self.bad(&breaks, known);
+                self.samples =
+                    denser(self.field, &self.samples, self.is_closed.then_some(self.length), |length| {
+                        bad.iter()
+                            .any(|pair| pair[0] <= length / self.length && length / self.length < pair[1])
+                    });
+                split = self.split(&breaks, known);
+            }
+            if split.len() == breaks.len() || split.len() + degree > self.options.max_controls {
                 break;
             }
             breaks = split;
@@ -252,18 +266,27 @@ impl Work<'_> {
     fn split(&self, breaks: &[f64], candidate: &Candidate) -> Vec<f64> {
         let mut out = Vec::with_capacity(2 * breaks.len());
         let shares: Vec<f64> = self.samples.iter().map(|(length, _)| length / self.length).collect();
-        for (pair, error) in breaks.windows(2).zip(&candidate.gap.spans) {
+        let mut bad = self.bad(breaks, candidate).into_iter().peekable();
+        for pair in breaks.windows(2) {
             out.push(pair[0]);
             let points = shares.iter().filter(|share| pair[0] <= **share && **share < pair[1]).count();
-            let within = |t: &f64| pair[0] <= *t && *t <= pair[1];
-            let crosses = candidate.crossings.iter().flatten().any(within);
-            let is_good = *error <= self.options.abs_tolerance && !crosses;
-            if !is_good && points >= 2 * PER_SPAN {
+            if bad.next_if(|bad| bad[0] == pair[0]).is_some() && points >= 2 * PER_SPAN {
                 out.push(0.5 * (pair[0] + pair[1]));
             }
         }
         out.extend(breaks.last());
         out
+    }
+
+    /// The spans that are not within the tolerance or in which the curve crosses itself.
+    fn bad(&self, breaks: &[f64], candidate: &Candidate) -> Vec<[f64; 2]> {
+        let pairs = breaks.windows(2).map(|pair| [pair[0], pair[1]]).zip(&candidate.gap.spans);
+        let is_bad = |(pair, error): &([f64; 2], &f64)| {
+            let within = |t: &f64| pair[0] <= *t && *t <= pair[1];
+            let is_near = **error <= self.options.abs_tolerance;
+            !is_near || candidate.crossings.iter().flatten().any(within)
+        };
+        pairs.filter(is_bad).map(|(pair, _)| pair).collect()
     }
 
     fn knots(&self, breaks: &[f64]) -> Result<KnotVector, Error> {
@@ -281,8 +304,7 @@ impl Work<'_> {
 
     /// The curve with knots at given breaks in `[0, 1]`, drawn to the level set.
     ///
-    /// Of the least squares curves by length and by feet, and the one that is drawn, the best counts: feet may run back where a contour
-    /// turns sharply, and a curve that follows them crosses itself.
+    /// Of the least squares curves by length and by feet, and the one that is drawn, the best counts.
     fn drawn(&self, breaks: &[f64]) -> Result<Candidate, Error> {
         let points: Vec<Vector2<f64>> = self.samples.iter().map(|(_, point)| *point).collect();
         let mut parameters: Vec<f64> = self.samples.iter().map(|(length, _)| length / self.length).collect();
@@ -297,9 +319,11 @@ impl Work<'_> {
         let is_free = self.options.controls.is_none();
         let mut best: Option<Candidate> = None;
         for _ in 0..CORRECTIONS {
-            let curve = BsplineCurve::approximate(knots.clone(), &parameters, &points, &options)?.shape;
+            let wrapped = |t: &f64| if self.is_closed { t.rem_euclid(1.0) } else { *t };
+            let at: Vec<f64> = parameters.iter().map(wrapped).collect();
+            let curve = BsplineCurve::approximate(knots.clone(), &at, &points, &options)?.shape;
             let found = self.candidate(curve)?;
-            parameters.clone_from(&found.gap.parameters);
+            parameters = in_order(&found.curve, &parameters, &points);
             let found = better(best.take(), found);
             if is_free && self.is_good(&found) {
                 return Ok(found);

@@ -28,6 +28,7 @@
 //! ```
 
 mod contour;
+mod correct;
 mod error;
 pub mod evolve;
 mod fit;

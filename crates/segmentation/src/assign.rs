@@ -4,6 +4,7 @@ use crate::carrier::Carrier;
 use crate::graph::as_index;
 use crate::grow::{Cloud, NONE, Region};
 use crate::least_squares::refine;
+use nalgebra::Point3;
 
 /// Cost of a point that no carrier explains: that of 4 standard deviations.
 const UNEXPLAINED: f64 = 8.0;
@@ -127,13 +128,22 @@ pub(crate) fn refit(cloud: &Cloud<'_>, regions: &mut Vec<Region>, labels: &mut [
     for region in regions {
         let core = cloud.core(&region.points, &mut inside);
         if let Some(carrier) = region.carrier {
-            let sample = cloud.positions(&core);
+            let sample = carried(cloud, &carrier, &core);
             if let Some(fit) = refine(&carrier, &sample, 10) {
                 region.carrier = Some(fit.carrier);
                 region.rms = fit.rms;
             }
         }
     }
+}
+
+/// The points that a carrier explains, or all if that leaves less than half of them.
+///
+/// A point that its neighbours draw to a region but that lies elsewhere would take the carrier of few points away from all others.
+fn carried(cloud: &Cloud<'_>, carrier: &Carrier, points: &[u32]) -> Vec<Point3<f64>> {
+    let all = cloud.positions(points);
+    let near: Vec<_> = all.iter().copied().filter(|x| carrier.at(x).0.abs() < 3.0 * cloud.sigma).collect();
+    if 2 * near.len() >= all.len() { near } else { all }
 }
 
 /// Drops regions of fewer points and numbers the rest anew.

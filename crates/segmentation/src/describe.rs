@@ -37,6 +37,10 @@ pub(crate) fn describe(
                 let row = |i: usize| (0..m.ncols()).map(|j| m[(i, j)] * unit(i) * unit(j)).collect();
                 (0..m.nrows()).map(row).collect()
             });
+            let covariance = match &region.sweep {
+                Some(sweep) if region.carrier.is_none() => of_sweep(sweep, &points, cloud.sigma, frame.scale),
+                _ => covariance,
+            };
             let (decision, _) = cloud.decide(&region.points, region.carrier.as_ref(), true, &mut inside);
             let others = decision.refused.iter().chain(&decision.accepted);
             let runner_up = others
@@ -67,6 +71,18 @@ pub(crate) fn describe(
         sigma: cloud.sigma * frame.scale,
         spacing: spacing * frame.scale,
     }
+}
+
+/// Covariance of the unknowns of a motion, lengths in those of the input, the pitch per turn; empty where the points do not determine it.
+fn of_sweep(sweep: &Sweep, points: &[Point3<f64>], sigma: f64, scale: f64) -> Vec<Vec<f64>> {
+    let Some(matrix) = crate::sweep::covariance(sweep, points, sigma) else { return Vec::new() };
+    let unit = |i: usize| match i {
+        0 | 1 => 1.0,
+        2 | 3 => scale,
+        _ => std::f64::consts::TAU * scale,
+    };
+    let row = |i: usize| (0..matrix.ncols()).map(|j| matrix[(i, j)] * unit(i) * unit(j)).collect();
+    (0..matrix.nrows()).map(row).collect()
 }
 
 /// Whether an unknown is an angle.

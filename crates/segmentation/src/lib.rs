@@ -21,6 +21,7 @@
 mod assign;
 mod border;
 mod carrier;
+mod common;
 mod decide;
 mod describe;
 mod error;

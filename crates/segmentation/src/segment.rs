@@ -4,6 +4,7 @@ use nalgebra::{Point3, Vector3};
 
 use crate::assign::{assign, refit, split};
 use crate::border::cut;
+use crate::common::share_helix;
 use crate::describe::describe;
 use crate::error::Error;
 use crate::graph::Graph;
@@ -115,6 +116,7 @@ fn finish(cloud: &Cloud<'_>, regions: &mut Vec<Region>, labels: &mut [u32], fewe
     cut(cloud, regions, labels);
     refit(cloud, regions, labels, fewest);
     find_sweeps(cloud, regions);
+    share_helix(cloud, regions);
 }
 
 /// Standard deviation of the noise from the regions of many points, by the median.

@@ -17,6 +17,8 @@ use crate::sweep::decide_sweep;
 const EDGE: f64 = 0.06;
 /// Angle in radians by which the curvatures may differ over the width of the smaller piece.
 const BEND: f64 = 0.35;
+/// Share of the noise (of its lower limit in data without any) below which distances leave no doubt about a carrier.
+const EXACT: f64 = 0.06;
 /// Fewest links of a smooth border.
 const LINKS: usize = 6;
 /// Fewest points of a smooth region.
@@ -103,7 +105,10 @@ pub(crate) fn join(cloud: &Cloud<'_>, regions: &mut Vec<Region>, labels: &mut [u
         let (one, other) = (&regions[*a as usize], &regions[*b as usize]);
         // Planes are no pieces of curved surfaces, and few points make no border.
         let is_plane = |r: &Region| matches!(r.carrier, Some(Carrier::Plane { .. }));
-        if is_plane(one) || is_plane(other) || one.points.len().min(other.points.len()) < FEWEST {
+        // Pieces grow until the noise is exceeded: a carrier whose distances stay far below it is no piece.
+        let is_exact = |r: &Region| r.carrier.is_some() && r.rms < EXACT * cloud.sigma;
+        let is_few = one.points.len().min(other.points.len()) < FEWEST;
+        if is_plane(one) || is_plane(other) || is_exact(one) || is_exact(other) || is_few {
             continue;
         }
         if is_smooth(cloud, one, other, links) {

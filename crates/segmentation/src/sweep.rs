@@ -98,15 +98,20 @@ impl Sweep {
         }
     }
 
+    /// Standard deviation of the distances of points from the profile that the others make; `None` where the section is no curve.
+    pub(crate) fn deviation(&self, points: &[Point3<f64>], most: usize) -> Option<f64> {
+        self.distances(points, most).map(|distances| rms(&distances))
+    }
+
     /// Distances of the points from the profile that the others make, a parabola over the nearest in the section; scaled so that noise
     /// keeps its standard deviation. `None` where the section is no curve.
-    fn distances(&self, points: &[Point3<f64>]) -> Option<Vec<f64>> {
+    fn distances(&self, points: &[Point3<f64>], most: usize) -> Option<Vec<f64>> {
         let section = self.section(points);
         let flat: Vec<Point2<f64>> = section.iter().map(|s| s.0).collect();
         if flat.iter().any(|p| !p.x.is_finite() || !p.y.is_finite()) {
             return None;
         }
-        let count = (points.len() / 8).clamp(12, 40);
+        let count = (points.len() / 8).clamp(12, most);
         let index = CloudIndex::new(&flat).ok()?;
         let distances = index.map_nearest_n(&flat, count, |i, near| {
             let n = near.len() as f64;
@@ -152,8 +157,35 @@ fn rms(distances: &[f64]) -> f64 {
     (distances.iter().map(|d| d * d).sum::<f64>() / distances.len().max(1) as f64).sqrt()
 }
 
-/// Most points that take part.
-const SAMPLE: usize = 600;
+/// Most points that take part, and most points of a piece of the profile: few points in wide pieces, then, where the profile bends too
+/// much for them, many in narrow ones.
+const SAMPLES: [(usize, usize); 2] = [(600, 40), (4000, 16)];
+
+/// Covariance of the unknowns of a motion for a noise: tilts of the axis, shifts across it, advance per radian, as far as it has them. `None`
+/// where the points do not determine it.
+pub(crate) fn covariance(sweep: &Sweep, points: &[Point3<f64>], sigma: f64) -> Option<DMatrix<f64>> {
+    let (count, most) = SAMPLES[0];
+    let stride = points.len().div_ceil(count).max(1);
+    let some: Vec<Point3<f64>> = points.iter().copied().step_by(stride).collect();
+    let centre = mean(&some);
+    let extent = some.iter().map(|p| (p - centre).norm()).fold(f64::MIN_POSITIVE, f64::max);
+    let n = sweep.unknowns();
+    let mut jacobian = DMatrix::<f64>::zeros(some.len(), n);
+    for k in 0..n {
+        let width = if k < 2 { sigma / extent } else { sigma };
+        let mut step = [0.0; 5];
+        step[k] = width;
+        let above = sweep.moved(&step).distances(&some, most)?;
+        step[k] = -width;
+        let below = sweep.moved(&step).distances(&some, most)?;
+        for i in 0..some.len() {
+            jacobian[(i, k)] = (above[i] - below[i]) / (2.0 * width);
+        }
+    }
+    let inverse = jacobian.tr_mul(&jacobian).cholesky()?.inverse();
+    // All points determine it better than those that were looked at.
+    Some(inverse * (sigma * sigma * some.len() as f64 / points.len() as f64))
+}
 
 /// The simplest motion whose profile agrees with the noise, and the standard deviation of the distances.
 pub(crate) fn decide_sweep(
@@ -161,12 +193,26 @@ pub(crate) fn decide_sweep(
     normals: &[PointNormal],
     sigma: f64,
 ) -> Option<(Sweep, f64)> {
-    let stride = points.len().div_ceil(SAMPLE).max(1);
+    let fields = Fields::new(points, normals)?;
+    SAMPLES.iter().enumerate().find_map(|(k, &(count, most))| {
+        // A second look at the same points would show the same.
+        let is_new = k == 0 || points.len() > SAMPLES[0].0;
+        is_new.then(|| decide_on(points, &fields, sigma, count, most)).flatten()
+    })
+}
+
+fn decide_on(
+    points: &[Point3<f64>],
+    fields: &Fields,
+    sigma: f64,
+    count: usize,
+    most: usize,
+) -> Option<(Sweep, f64)> {
+    let stride = points.len().div_ceil(count).max(1);
     let some: Vec<Point3<f64>> = points.iter().copied().step_by(stride).collect();
     if some.len() < 40 {
         return None;
     }
-    let fields = Fields::new(points, normals)?;
     let centre = mean(points);
     let near = |m: &Helical| m.point + m.axis * (centre - m.point).dot(&m.axis);
     let extent = some.iter().map(|p| (p - centre).norm()).fold(0.0, f64::max);
@@ -176,28 +222,34 @@ pub(crate) fn decide_sweep(
             starts.push(Sweep::Revolution { point: near(&m), axis: m.axis });
         }
     }
-    if let Some(m) = fields.motion(0) {
-        let pitch = m.pitch.abs();
-        if pitch > 0.02 * extent && pitch < 50.0 * extent && (near(&m) - centre).norm() < 50.0 * extent {
-            starts.push(Sweep::Helix { point: near(&m), axis: m.axis, pitch: m.pitch });
-        }
-    }
+    starts.extend(helix_near(fields, &centre, extent));
     let limit = 1.05 * limit(sigma, some.len());
-    for start in starts {
-        if let Some((sweep, value)) = refine(&start, &some, sigma, extent)
-            && value < limit
-        {
-            return Some((sweep, value));
-        }
-    }
-    None
+    starts
+        .iter()
+        .find_map(|start| refine(start, &some, sigma, extent, most).filter(|(_, value)| *value < limit))
+}
+
+/// The most tangential motion, if it is a helical one whose axis passes a place and whose pitch is none of a rotation or translation.
+pub(crate) fn helix_near(fields: &Fields, centre: &Point3<f64>, extent: f64) -> Option<Sweep> {
+    let m = fields.motion(0)?;
+    let point = m.point + m.axis * (centre - m.point).dot(&m.axis);
+    let pitch = m.pitch.abs();
+    let is_helical =
+        pitch > 0.02 * extent && pitch < 50.0 * extent && (point - centre).norm() < 50.0 * extent;
+    is_helical.then_some(Sweep::Helix { point, axis: m.axis, pitch: m.pitch })
 }
 
 /// Steps of Gauss and Newton with differences, the profile found again for each motion.
-fn refine(start: &Sweep, points: &[Point3<f64>], sigma: f64, extent: f64) -> Option<(Sweep, f64)> {
+pub(crate) fn refine(
+    start: &Sweep,
+    points: &[Point3<f64>],
+    sigma: f64,
+    extent: f64,
+    most: usize,
+) -> Option<(Sweep, f64)> {
     let n = start.unknowns();
     let mut sweep = *start;
-    let mut distances = sweep.distances(points)?;
+    let mut distances = sweep.distances(points, most)?;
     let mut best = rms(&distances);
     // Hopeless starts are not worth the steps.
     if best > 60.0 * sigma && best > 0.05 * extent {
@@ -210,7 +262,7 @@ fn refine(start: &Sweep, points: &[Point3<f64>], sigma: f64, extent: f64) -> Opt
             let width = if k < 2 { 0.3 * best.max(sigma) / extent } else { 0.3 * best.max(sigma) };
             let mut step = [0.0; 5];
             step[k] = width;
-            let above = sweep.moved(&step).distances(points)?;
+            let above = sweep.moved(&step).distances(points, most)?;
             for i in 0..points.len() {
                 jacobian[(i, k)] = (above[i] - distances[i]) / width;
             }
@@ -231,7 +283,7 @@ fn refine(start: &Sweep, points: &[Point3<f64>], sigma: f64, extent: f64) -> Opt
                 break;
             }
             let trial = sweep.moved(&full);
-            let Some(next) = trial.distances(points) else { break };
+            let Some(next) = trial.distances(points, most) else { break };
             let value = rms(&next);
             if value < best {
                 (sweep, distances, best) = (trial, next, value);

@@ -1,7 +1,12 @@
 //! `cargo xtask paper-figures`: the figures of \[MPK\] and \[P05\], of data of our own, as drawings in `docs/figures`.
 
+mod distances;
 mod drawing;
 mod fitting;
+mod metric;
+mod registered;
+mod ruled;
+mod shading;
 mod surfaces;
 mod turntable;
 mod weights;
@@ -32,6 +37,14 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
         ("fit-evolution.svg", fitting::evolution().map_err(failed)?),
         ("fit-rectangle.svg", fitting::rectangle().map_err(failed)?),
         ("fit-noisy.svg", fitting::noisy().map_err(failed)?),
+        ("obstacles.svg", distances::obstacles().map_err(failed)?),
+        ("approximant.svg", distances::approximant().map_err(failed)?),
+        ("ruled.svg", ruled::one().map_err(failed)?),
+        ("ruled-layers.svg", ruled::layers(&vase).map_err(failed)?),
+        ("registration.svg", registered::cloud().map_err(failed)?),
+        ("geodesic-circles.svg", metric::circles().map_err(failed)?),
+        ("geodesic-curves.svg", metric::curves().map_err(failed)?),
+        ("dilation.svg", metric::dilation().map_err(failed)?),
         ("weights.svg", weights::one_projection(&vase).map_err(failed)?),
     ];
     let folder = workspace::root().join(FOLDER);

@@ -18,6 +18,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("cloud-param", &["nurbs-core", "mesh-core", "footpoint", "sdm-fit"]),
     ("feature-metric", &["nurbs-core", "mesh-core", "distance-field"]),
     ("segmentation", &["mesh-core"]),
+    ("picture", &["mesh-core"]),
     ("level-set", &["nurbs-core", "mesh-core", "footpoint", "distance-field", "sdm-fit"]),
     (
         "industrial-geometry",
@@ -36,6 +37,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "feature-metric",
             "segmentation",
             "level-set",
+            "picture",
         ],
     ),
     ("indgeo", &["industrial-geometry"]),

@@ -75,7 +75,7 @@ pub fn redistance<const D: usize>(grid: &Grid<D>, band: Option<f64>) -> Result<R
         return Err(Error::Option { option: "band", value, what: "it must be a positive length" });
     }
     let spline = GridSpline::new(grid);
-    let (places, jump) = crossings(grid, &spline);
+    let (places, jump) = crossings(grid, &|place| spline.taylor(place).value);
     if places.is_empty() {
         return Err(Error::NoPoints { count: grid.values().len() });
     }

@@ -1,7 +1,6 @@
 //! Where the zero set crosses the grid lines, and the curves that connect the crossings in the plane.
 
 use super::grid::Grid;
-use super::spline::GridSpline;
 use nalgebra::SVector;
 use std::collections::BTreeMap;
 
@@ -38,7 +37,7 @@ fn zero(value: impl Fn(f64) -> f64, ends: [f64; 2]) -> f64 {
 /// The crossing of the grid line from a node in a direction, if the sign changes there. Zero counts as positive.
 fn crossing<const D: usize>(
     grid: &Grid<D>,
-    spline: &GridSpline<D>,
+    value: &impl Fn(&SVector<f64, D>) -> f64,
     node: usize,
     direction: usize,
 ) -> Option<SVector<f64, D>> {
@@ -52,13 +51,13 @@ fn crossing<const D: usize>(
         place[direction] += s;
         place
     };
-    Some(at(zero(|s| spline.taylor(&at(s)).value, ends)))
+    Some(at(zero(|s| value(&at(s)), ends)))
 }
 
-/// All crossings, in units of the spacing, and the largest difference of neighbouring values.
+/// All crossings, in units of the spacing, and the largest difference of neighbouring values; the function by places in these units.
 pub(crate) fn crossings<const D: usize>(
     grid: &Grid<D>,
-    spline: &GridSpline<D>,
+    value: &impl Fn(&SVector<f64, D>) -> f64,
 ) -> (Vec<SVector<f64, D>>, f64) {
     let mut out = Vec::new();
     let mut jump = 0.0f64;
@@ -67,7 +66,7 @@ pub(crate) fn crossings<const D: usize>(
         for d in 0..D {
             if at[d] + 1.0 < grid.counts()[d] as f64 {
                 jump = jump.max((grid.values()[node + grid.stride(d)] - grid.values()[node]).abs());
-                out.extend(crossing(grid, spline, node, d));
+                out.extend(crossing(grid, value, node, d));
             }
         }
     }
@@ -80,7 +79,7 @@ type Edge = (usize, usize);
 /// The curves of the zero set (marching squares), each with whether it is closed; `f < 0` on their left.
 pub(super) fn trace(
     grid: &Grid<2>,
-    spline: &GridSpline<2>,
+    value: &impl Fn(&SVector<f64, 2>) -> f64,
     saddles: Saddles,
 ) -> Vec<(Vec<SVector<f64, 2>>, bool)> {
     let [m, n] = grid.counts();
@@ -109,7 +108,7 @@ pub(super) fn trace(
                 ([first, second], [..]) => {
                     // A saddle: its middle tells which corners are connected.
                     let middle = grid.node(node).add_scalar(0.5);
-                    let joined = saddles == Saddles::Middle && spline.taylor(&middle).value < 0.0;
+                    let joined = saddles == Saddles::Middle && value(&middle) < 0.0;
                     for entry in [*first, *second] {
                         // Where the negative corners are connected a curve goes around a positive corner, else around a
                         // negative one.
@@ -131,10 +130,10 @@ pub(super) fn trace(
     let open: Vec<Edge> = entered.iter().filter(|(_, entered)| !**entered).map(|(&edge, _)| edge).collect();
     let mut curves = Vec::new();
     for first in open {
-        curves.push((follow(grid, spline, &mut next, first), false));
+        curves.push((follow(grid, value, &mut next, first), false));
     }
     while let Some((&first, _)) = next.first_key_value() {
-        let mut places = follow(grid, spline, &mut next, first);
+        let mut places = follow(grid, value, &mut next, first);
         places.pop();
         curves.push((places, true));
     }
@@ -152,15 +151,15 @@ pub(super) fn trace(
 /// The places along a curve from an edge on, the edge at which it ends included.
 fn follow(
     grid: &Grid<2>,
-    spline: &GridSpline<2>,
+    value: &impl Fn(&SVector<f64, 2>) -> f64,
     next: &mut BTreeMap<Edge, Edge>,
     first: Edge,
 ) -> Vec<SVector<f64, 2>> {
     let mut places = Vec::new();
     let mut edge = first;
-    places.extend(crossing(grid, spline, edge.0, edge.1));
+    places.extend(crossing(grid, value, edge.0, edge.1));
     while let Some(exit) = next.remove(&edge) {
-        places.extend(crossing(grid, spline, exit.0, exit.1));
+        places.extend(crossing(grid, value, exit.0, exit.1));
         edge = exit;
     }
     places

@@ -11,6 +11,9 @@ use mesh_core::{CloudIndex, Polyline};
 use nalgebra::{Point, SMatrix, SVector, Vector2, Vector3};
 use nurbs_core::Aabb;
 
+/// Crossings from which a foot is looked for where the nearest one does not lead to it.
+const SEEDS: usize = 6;
+
 /// The distance from the level set `f = 0` of a function on a grid, positive where `f` is.
 ///
 /// `f` is the cubic spline through the values (fourth order in the spacing), so that the zero set is a smooth curve in the
@@ -59,10 +62,34 @@ impl LevelSetField<2> {
     /// # Errors
     /// As for [`LevelSetField::new`].
     pub fn with_saddles(grid: &Grid<2>, saddles: Saddles) -> Result<Self, Error> {
-        let mut field = Self::prepare(grid)?;
-        let traced = contour::trace(grid, &field.spline, saddles);
+        Self::with_detail(grid, saddles, 1)
+    }
+
+    /// The same, traced on a lattice with `detail` cells along each side of a cell of the grid: parts of the zero set that enter and leave
+    /// through one side of a cell are seen from a width of that share of it on. The function is the same.
+    ///
+    /// # Errors
+    /// As for [`LevelSetField::new`]; [`Error::Grid`] for a lattice with more nodes than there are numbers.
+    pub fn with_detail(grid: &Grid<2>, saddles: Saddles, detail: usize) -> Result<Self, Error> {
+        let spline = GridSpline::new(grid);
+        let ratio = detail.max(1) as f64;
+        let at = |place: &SVector<f64, 2>| spline.taylor(&(place / ratio)).value;
+        let lattice = if detail > 1 {
+            let [m, n] = grid.counts().map(|count| (count - 1).saturating_mul(detail).saturating_add(1));
+            let (counts, nodes) = ([m, n], m.checked_mul(n));
+            let nodes = nodes.ok_or_else(|| Error::Grid { what: format!("{m} x {n} nodes are too many") })?;
+            let values =
+                crate::parallel::map(nodes, |node| at(&Vector2::new((node / n) as f64, (node % n) as f64)));
+            Grid::new(*grid.origin(), grid.spacing() / ratio, counts, values)?
+        } else {
+            grid.clone()
+        };
+        let traced = contour::trace(&lattice, &at, saddles);
+        let (crossings, jump) = contour::crossings(&lattice, &at);
+        let crossings = crossings.iter().map(|place| place / ratio).collect();
+        let mut field = Self::prepare(grid, spline, crossings, jump)?;
         let polyline = |(places, closed): (Vec<SVector<f64, 2>>, bool)| {
-            let vertices = places.iter().map(|place| Point::from(grid.point(place))).collect();
+            let vertices = places.iter().map(|place| Point::from(grid.point(&(place / ratio)))).collect();
             Polyline::new(vertices, closed)
         };
         field.contours = traced.into_iter().map(polyline).collect::<Result<_, _>>()?;
@@ -70,8 +97,8 @@ impl LevelSetField<2> {
         Ok(field)
     }
 
-    /// The curves of the zero set as polylines with a vertex on each grid line that they cross, the longest first. Those
-    /// that end do so at the border of the grid. The function is negative on their left.
+    /// The curves of the zero set as polylines with a vertex on each line of the grid (of the lattice on which they are traced) that they
+    /// cross, the longest first. Those that end do so at the border of the grid. The function is negative on their left.
     #[must_use]
     pub fn contours(&self) -> &[Polyline<2>] {
         &self.contours
@@ -84,14 +111,19 @@ impl LevelSetField<3> {
     /// # Errors
     /// [`Error::NoPoints`] when the values do not change their sign.
     pub fn new(grid: &Grid<3>) -> Result<Self, Error> {
-        Self::prepare(grid)
+        let spline = GridSpline::new(grid);
+        let (crossings, jump) = contour::crossings(grid, &|place| spline.taylor(place).value);
+        Self::prepare(grid, spline, crossings, jump)
     }
 }
 
 impl<const D: usize> LevelSetField<D> {
-    fn prepare(grid: &Grid<D>) -> Result<Self, Error> {
-        let spline = GridSpline::new(grid);
-        let (crossings, jump) = contour::crossings(grid, &spline);
+    fn prepare(
+        grid: &Grid<D>,
+        spline: GridSpline<D>,
+        crossings: Vec<SVector<f64, D>>,
+        jump: f64,
+    ) -> Result<Self, Error> {
         let points: Vec<_> = crossings.iter().map(|place| grid.point(place)).collect();
         let bounds = Aabb::of_points(points.iter()).ok_or(Error::NoPoints { count: grid.values().len() })?;
         let centre = *grid.origin();
@@ -146,11 +178,24 @@ impl<const D: usize> LevelSetField<D> {
         let set = self.zero_set();
         let mut foot = set.foot(x, seed);
         let mut point = self.grid.point(&foot.place);
-        let known = self.grid.point(seed);
-        if !foot.status.is_converged() || (x - point).norm() > nearest.distance() * (1.0 + 1e-12) {
-            // Led astray: the crossing itself is on the zero set, and nearer.
-            let status = if foot.status == Status::OnBoundary { foot.status } else { Status::Stalled };
-            (foot, point) = (Foot { place: *seed, taylor: set.taylor(seed), status }, known);
+        let is_astray = |foot: &Foot<D>, point: &SVector<f64, D>| {
+            !foot.status.is_converged() || (x - point).norm() > nearest.distance() * (1.0 + 1e-12)
+        };
+        if is_astray(&foot, &point) {
+            // The crossing itself is on the zero set, and nearer; from there, and from those around it, by short steps.
+            let on_border = foot.status == Status::OnBoundary;
+            let around = self.index.nearest_n(&Point::from(x - self.grid.origin()), SEEDS);
+            let places = around.iter().map(|near| set.nearer(x, &self.crossings[near.index]));
+            let far = |place: &SVector<f64, D>| (x - self.grid.point(place)).norm();
+            let place = places.min_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or(*seed);
+            let again = set.foot(x, &place);
+            let there = self.grid.point(&again.place);
+            if again.status.is_converged() && (x - there).norm() <= far(&place) * (1.0 + 1e-12) {
+                (foot, point) = (again, there);
+            } else {
+                let status = if on_border { Status::OnBoundary } else { Status::Stalled };
+                (foot, point) = (Foot { place, taylor: set.taylor(&place), status }, self.grid.point(&place));
+            }
         }
         let slope = foot.taylor.gradient.norm();
         let normal = foot.taylor.gradient / slope;

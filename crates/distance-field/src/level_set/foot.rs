@@ -10,8 +10,15 @@ use nalgebra::SVector;
 const MAX_STEPS: usize = 40;
 /// Longest step, in cells: seeds are at most one cell from the feet that they lead to.
 const LONGEST: f64 = 1.0;
+/// Steps towards a foot along tangents, and steps back to the zero set after each of them.
+const TANGENT_STEPS: usize = 12;
+const STEPS_BACK: usize = 6;
+/// Longest step of these, in cells.
+const SHORT: f64 = 0.4;
 /// A residual, as a share of the size of the grid, that counts as none.
 const SETTLED: f64 = 1e-13;
+/// Distance from the zero set, in cells, at which a place is on it.
+const RETURNED: f64 = 1e-9;
 /// Gradient, as a share of the largest value per cell, below which a point of the zero set is singular.
 const SINGULAR: f64 = 1e-9;
 
@@ -87,5 +94,46 @@ impl<const D: usize> ZeroSet<'_, D> {
         // At the border of the grid the iteration slides along it: the zero set ends there.
         let border = (0..D).any(|d| place[d] == 0.0 || place[d] == (counts[d] - 1) as f64);
         Foot { place, taylor, status: if border { Status::OnBoundary } else { Status::MaxIterations } }
+    }
+
+    /// A place of the zero set nearer to a point than a given one, on the way along tangents with a return to the zero set after each step.
+    ///
+    /// Where the zero set bends within a cell, Newton's method leaves the region in which it converges; short steps do not.
+    pub(crate) fn nearer(&self, x: &SVector<f64, D>, start: &SVector<f64, D>) -> SVector<f64, D> {
+        let h = self.grid.spacing();
+        let counts = self.grid.counts();
+        let limited = |step: SVector<f64, D>, most: f64| {
+            let length = step.norm();
+            if length > most { step * (most / length) } else { step }
+        };
+        let moved = |place: &SVector<f64, D>, step: &SVector<f64, D>| -> SVector<f64, D> {
+            let target = place + step.component_div(h);
+            SVector::from_fn(|d, _| target[d].clamp(0.0, (counts[d] - 1) as f64))
+        };
+        let far = |place: &SVector<f64, D>| (x - self.grid.point(place)).norm();
+        let mut most = SHORT * h.min();
+        let (mut best, mut least) = (*start, far(start));
+        for _ in 0..TANGENT_STEPS {
+            let taylor = self.taylor(&best);
+            let normal = taylor.gradient / taylor.gradient.norm();
+            let residual = x - self.grid.point(&best);
+            let along = residual - normal * residual.dot(&normal);
+            let mut place = moved(&best, &limited(along, most));
+            for _ in 0..STEPS_BACK {
+                let taylor = self.taylor(&place);
+                let step = taylor.gradient * (-taylor.value / taylor.gradient.norm_squared());
+                place = moved(&place, &limited(step, most));
+            }
+            let taylor = self.taylor(&place);
+            let is_on = taylor.value.abs() <= RETURNED * taylor.gradient.norm() * h.min();
+            let distance = far(&place);
+            // False for what is not a number too.
+            if is_on && distance < least {
+                (best, least) = (place, distance);
+            } else {
+                most *= 0.5;
+            }
+        }
+        best
     }
 }

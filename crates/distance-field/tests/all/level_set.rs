@@ -2,7 +2,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a set-up that fails must fail the test")]
 
-use distance_field::{DistanceField, Error, ErrorTerm, Grid, Hint, LevelSetField, PrincipalFrame, Search};
+use distance_field::{
+    DistanceField, Error, ErrorTerm, Grid, Hint, LevelSetField, PrincipalFrame, Saddles, Search,
+};
 use footpoint::Status;
 use nalgebra::{Matrix3, Vector2, Vector3};
 use proptest::prelude::*;
@@ -116,6 +118,46 @@ fn saddles_keep_their_sides() {
             assert!(contour.vertices().iter().all(|v| v.x.signum() == quadrant), "branches are not mixed up");
         }
     }
+}
+
+/// Values without any relation to those of their neighbours: a zero set that bends within a cell.
+fn rough(counts: [usize; 2]) -> Grid<2> {
+    let value = |k: usize| ((k * 7919 + 13) % 1009) as f64 / 1009.0 - 0.45;
+    let values = (0..counts[0] * counts[1]).map(value).collect();
+    Grid::new(Vector2::zeros(), Vector2::repeat(1.0), counts, values).unwrap()
+}
+
+#[test]
+fn feet_are_found_where_the_zero_set_bends_within_a_cell() {
+    let grid = rough([16, 14]);
+    let field = LevelSetField::<2>::with_detail(&grid, Saddles::Middle, 4).unwrap();
+    // The same zero set traced finely, its chords within 1e-3 of it.
+    let fine = LevelSetField::<2>::with_detail(&grid, Saddles::Middle, 32).unwrap();
+    let points: Vec<Vector2<f64>> = fine.crossings().collect();
+    for k in 0..600 {
+        let x = Vector2::new(
+            1.0 + 13.0 * ((k * 37) % 601) as f64 / 601.0,
+            1.0 + 11.0 * ((k * 101) % 599) as f64 / 599.0,
+        );
+        let least = points.iter().map(|p| (x - p).norm()).fold(f64::INFINITY, f64::min);
+        let frame = global(&field, &x);
+        let distance = (x - frame.foot).norm();
+        assert!(field.value(&frame.foot).abs() < 1e-7, "{x} {frame:?}");
+        assert!(distance < least + 0.05, "{x}: {distance} instead of {least}, {:?}", frame.status);
+    }
+}
+
+#[test]
+fn what_enters_and_leaves_through_one_side_of_a_cell_is_traced() {
+    // A bulb of half a cell, no node in it, on the left of the line x = 1.5.
+    let f = |p: &Vector2<f64>| (p.x - 1.5).min((p - Vector2::new(1.2, 2.5)).norm() - 0.2);
+    let grid = Grid::sample(Vector2::zeros(), Vector2::repeat(0.25), [17, 21], f).unwrap();
+    let length =
+        |field: &LevelSetField<2>| field.contours().iter().map(mesh_core::Polyline::length).sum::<f64>();
+    let coarse = length(&LevelSetField::<2>::new(&grid).unwrap());
+    let fine = length(&LevelSetField::<2>::with_detail(&grid, Saddles::Middle, 4).unwrap());
+    let finer = length(&LevelSetField::<2>::with_detail(&grid, Saddles::Middle, 16).unwrap());
+    assert!((fine - finer).abs() < 0.02 * finer && coarse < fine, "{coarse} {fine} {finer}");
 }
 
 #[test]

@@ -40,7 +40,7 @@ pub(super) fn distances(mesh: &MetricMesh, sources: &[u32], front: Front) -> Vec
             }
             *known
         };
-        for spoke in mesh.connectivity.spokes(vertex) {
+        for spoke in mesh.spokes(vertex) {
             let (across, back) = (spoke.next(), spoke.previous());
             let (b, c) = (mesh.connectivity.target(spoke), mesh.connectivity.origin(back));
             let (to_b, to_c, between) = (mesh.length(spoke), mesh.length(back), mesh.length(across));

@@ -64,7 +64,7 @@ impl MetricMesh {
 
     fn neighbours(&self, vertex: u32) -> Vec<(u32, f64)> {
         let mut found = Vec::new();
-        for spoke in self.connectivity.spokes(vertex) {
+        for spoke in self.spokes(vertex) {
             found.push((self.connectivity.target(spoke), self.length(spoke)));
             let back = spoke.previous();
             if self.connectivity.twin(back).is_none() {

@@ -47,7 +47,7 @@ pub(super) fn distances(mesh: &MetricMesh, sources: &[u32]) -> Vec<f64> {
     }
     let vertices = u32::try_from(count).unwrap_or(u32::MAX);
     let bends = (0..vertices)
-        .map(|vertex| angles[vertex as usize] - TAU > SADDLE || connectivity.is_boundary(vertex))
+        .map(|vertex| angles[vertex as usize] - TAU > SADDLE || mesh.is_border(vertex))
         .collect();
     let none = Occupant { distance: f64::INFINITY, crossing: 0.0 };
     let mut propagation = Propagation {
@@ -92,7 +92,7 @@ impl Propagation<'_> {
             return;
         }
         let mesh = self.mesh;
-        for spoke in mesh.connectivity.spokes(vertex) {
+        for spoke in mesh.spokes(vertex) {
             self.improve(mesh.connectivity.target(spoke), distance + mesh.length(spoke));
             let back = spoke.previous();
             self.improve(mesh.connectivity.origin(back), distance + mesh.length(back));
@@ -100,7 +100,7 @@ impl Propagation<'_> {
         if !self.bends[vertex as usize] {
             return;
         }
-        for spoke in mesh.connectivity.spokes(vertex) {
+        for spoke in mesh.spokes(vertex) {
             let across = spoke.next();
             let Some(edge) = mesh.connectivity.twin(across) else { continue };
             let (length, [x, y]) = (mesh.length(across), mesh.apex(across));

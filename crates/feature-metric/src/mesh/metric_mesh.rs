@@ -6,6 +6,7 @@ use crate::metric::LENGTHS;
 use crate::{Error, Metric};
 use mesh_core::{HalfEdge, HalfEdgeMesh, TriangleMesh};
 use nalgebra::Point3;
+use std::collections::BTreeMap;
 
 /// A mesh as a metric sees it: triangles with the lengths of their sides, and nothing else of space.
 ///
@@ -14,7 +15,7 @@ use nalgebra::Point3;
 /// (40 degrees and more). Where the normal jumps at an edge, the image has a strip of triangles without width in space; where
 /// neighbouring normals differ by more than 15 degrees, edges are split.
 ///
-/// Vertices at one place count as one corner. Edges that more than two triangles share, or that neighbours run through in the same
+/// Vertices at one place count as one corner, through which ways may lead from one fan of triangles to another. Edges that more than two triangles share, or that neighbours run through in the same
 /// direction, are boundaries: [`is_manifold`](Self::is_manifold) tells.
 #[derive(Clone, Debug)]
 pub struct MetricMesh {
@@ -25,6 +26,8 @@ pub struct MetricMesh {
     pub(crate) points: Vec<Point3<f64>>,
     /// The vertices here of every vertex of the given mesh; those at one place have the same ones.
     of_vertex: Vec<Vec<u32>>,
+    /// All half-edges out of the vertices where several fans of triangles meet.
+    fans: BTreeMap<u32, Vec<HalfEdge>>,
     metric: Metric,
     is_manifold: bool,
 }
@@ -69,7 +72,8 @@ impl MetricMesh {
             let lengths = in_space;
             let of_vertex = first.iter().map(|&corner| vec![corner]).collect();
             let points = mesh.vertices().to_vec();
-            return Ok(Self { connectivity: given, lengths, points, of_vertex, metric, is_manifold });
+            let fans = fans(&given);
+            return Ok(Self { connectivity: given, lengths, points, of_vertex, fans, metric, is_manifold });
         }
         let mut image = Image::of(mesh.vertices(), &given, &Wedges::of(mesh, &given));
         image.refine()?;
@@ -81,7 +85,8 @@ impl MetricMesh {
         });
         let of_vertex = first.iter().map(|&corner| image.of_vertex[corner as usize].clone()).collect();
         let points = places.iter().map(|place| place.point).collect();
-        Ok(Self { connectivity, lengths, points, of_vertex, metric, is_manifold })
+        let fans = fans(&connectivity);
+        Ok(Self { connectivity, lengths, points, of_vertex, fans, metric, is_manifold })
     }
 
     /// The metric.
@@ -106,6 +111,18 @@ impl MetricMesh {
     #[must_use]
     pub fn is_manifold(&self) -> bool {
         self.is_manifold
+    }
+
+    /// The half-edges out of a vertex here, of all of its fans.
+    pub(crate) fn spokes(&self, vertex: u32) -> impl Iterator<Item = HalfEdge> {
+        let fans = self.fans.get(&vertex);
+        let one = fans.is_none().then(|| self.connectivity.spokes(vertex));
+        fans.into_iter().flatten().copied().chain(one.into_iter().flatten())
+    }
+
+    /// Whether the surface ends at a vertex here, or several fans meet: ways may bend there.
+    pub(crate) fn is_border(&self, vertex: u32) -> bool {
+        self.fans.contains_key(&vertex) || self.connectivity.is_boundary(vertex)
     }
 
     /// The vertices here of a vertex of the given mesh.
@@ -149,6 +166,27 @@ impl MetricMesh {
         let along = (length * length + near * near - far * far) / (2.0 * length);
         if length > 0.0 { [along, (near * near - along * along).max(0.0).sqrt()] } else { [0.0, near] }
     }
+}
+
+/// The half-edges out of each vertex that has more of them than those of one fan.
+fn fans(connectivity: &HalfEdgeMesh) -> BTreeMap<u32, Vec<HalfEdge>> {
+    let mut counts = vec![0usize; connectivity.vertex_count()];
+    for half_edge in connectivity.half_edges() {
+        counts[connectivity.origin(half_edge) as usize] += 1;
+    }
+    let mut fans: BTreeMap<u32, Vec<HalfEdge>> = (0u32..)
+        .zip(&counts)
+        .filter(|(vertex, count)| connectivity.spokes(*vertex).count() < **count)
+        .map(|(vertex, _)| (vertex, Vec::new()))
+        .collect();
+    if !fans.is_empty() {
+        for half_edge in connectivity.half_edges() {
+            if let Some(fan) = fans.get_mut(&connectivity.origin(half_edge)) {
+                fan.push(half_edge);
+            }
+        }
+    }
+    fans
 }
 
 fn lengths(connectivity: &HalfEdgeMesh, length: impl Fn(usize, usize) -> f64) -> Vec<f64> {

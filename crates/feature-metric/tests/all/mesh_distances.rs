@@ -227,6 +227,32 @@ fn a_point_becomes_a_vertex() {
 }
 
 #[test]
+fn ways_pass_vertices_where_several_fans_meet() {
+    let points = |list: &[[f64; 3]]| list.iter().map(|p| Point3::from(*p)).collect::<Vec<_>>();
+    // Two triangles that touch in the vertex 0, and three on the edge from 0 to 1.
+    let bow =
+        points(&[[0.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, -1.0, 0.0], [-1.0, -1.0, 0.0], [-1.0, 1.0, 0.0]]);
+    let bow = TriangleMesh::new(bow, vec![[0, 2, 1], [0, 4, 3]]).unwrap();
+    let fins =
+        points(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]);
+    let fins = TriangleMesh::new(fins, vec![[0, 1, 2], [0, 1, 3], [0, 1, 4]]).unwrap();
+    for method in [Method::Fast, Method::Exact] {
+        let found = distances(&bow, Metric::Euclidean, 1, method);
+        let side = 2.0f64.sqrt();
+        for (value, wanted) in found.iter().zip([side, 0.0, 2.0, 2.0 * side, 2.0 * side]) {
+            assert!((value - wanted).abs() < 1e-12, "{method:?} {found:?}");
+        }
+        let found = distances(&fins, Metric::Euclidean, 2, method);
+        for (value, wanted) in found.iter().zip([1.0, side, 0.0, 2.0, 2.0]) {
+            assert!((value - wanted).abs() < 1e-12, "{method:?} {found:?}");
+        }
+    }
+    let metric = MetricMesh::new(&bow, Metric::Euclidean).unwrap();
+    let path = metric.path(&metric.distances(&[1], Method::Exact).unwrap(), 3).unwrap().unwrap();
+    assert!((path.length - 2.0 * 2.0f64.sqrt()).abs() < 1e-12 && path.points.len() == 3, "{path:?}");
+}
+
+#[test]
 fn what_cannot_be_measured_is_refused() {
     let mesh = cube(2);
     for width in [-1.0, f64::NAN, f64::INFINITY] {

@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::report::{Report, Results};
 use std::path::{Path, PathBuf};
 
-/// Contours of an image as B-spline curves, or of a volume as a mesh
+/// Contours of an image as B-spline curves, or of a volume as a mesh or a B-spline surface
 ///
 /// INPUT is an image (PNG, PGM) or a grid (NPY, VTI as `indgeo field` writes them) of two or three axes. Each contour becomes one
 /// curve, with holes and components in one model; each is measured against the level set in both directions.
@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Args {
     /// Image or grid; `-` is standard input
     input: PathBuf,
-    /// The curves: .json (NURBS), .svg, .dxf, .step or .igs; of a volume the mesh: .stl, .ply, .obj or .off; `-` is standard output
+    /// The curves: .json (NURBS), .svg, .dxf, .step or .igs; of a volume the mesh: .stl, .ply, .obj or .off, or one surface: .json, .step or .igs; `-` is standard output
     #[arg(long, short, value_name = "OUT")]
     out: Option<PathBuf>,
     /// How the contour is found
@@ -79,8 +79,10 @@ edges      a contour shrinks from the border (or grows from --start) until it re
 chan-vese and edges are for images.
 
 DXF holds polylines within a tenth of the tolerance of the curves; SVG and the others hold the curves as they are.
-A volume becomes a mesh by dual contouring, which is open where the level set leaves the grid; there are no NURBS surfaces of volumes:
-fit one to the mesh (indgeo fit-surface).
+A volume becomes a mesh by dual contouring, which is open where the level set leaves the grid. Written as .json, .step or .igs it becomes
+one B-spline surface: a patch or a tube that ends where the grid does, or a surface that is closed all around or a ring; a level set of
+several parts, with more borders or more handles is refused. Thin parts and sharp edges ask for many control points: see the verdict.
+--control-points N then gives N x N of them.
 
 Exit status 0: every contour is within the tolerance of the level set, from both sides, and does not cross itself; 1: one is not
 (out_of_tolerance), or the evolution did not come to rest (not_converged); 2: bad input or usage; 130: interrupted.
@@ -89,7 +91,8 @@ Examples:
   indgeo contour coins.png -o coins.json --picture coins-contours.png
   indgeo contour cell.pgm -o cell.svg --method chan-vese --topology fixed --start 120,80,30
   indgeo contour distance.npy --box 0,0,1,1 -o outline.dxf --tolerance 1e-4
-  indgeo contour distance.vti -o part.stl --json report.json";
+  indgeo contour distance.vti -o part.stl --json report.json
+  indgeo contour distance.vti -o blob.step --tolerance 0.01 --unit mm";
 
 fn parse_circle(text: &str) -> Result<[f64; 3], String> {
     super::parse_triple(text)

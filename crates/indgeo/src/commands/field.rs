@@ -36,8 +36,8 @@ pub(crate) struct Args {
     /// Find the shortest ways from the source of a scene to one or several places x,y (with a minus: --path=-1,2)
     #[arg(long, value_name = "x,y", num_args = 1.., value_parser = parse_target)]
     path: Vec<[f64; 2]>,
-    /// Draw the field (SVG): colours, isolines, obstacles and ways; of a field in space its middle section
-    #[arg(long, value_name = "P.svg")]
+    /// Draw the field (SVG or PNG): colours, isolines, obstacles and ways; of a field in space its middle section
+    #[arg(long, value_name = "P.svg|P.png")]
     picture: Option<PathBuf>,
 }
 

@@ -36,8 +36,8 @@ pub(crate) struct Args {
     /// The distances (.csv, .ply), or the curve on a NURBS surface (.csv); `-` is standard output
     #[arg(long, short, value_name = "OUT")]
     out: Option<PathBuf>,
-    /// Draw the mesh with distances, isolines and curves (SVG)
-    #[arg(long, value_name = "P.svg")]
+    /// Draw the mesh with distances, isolines and curves (SVG or PNG)
+    #[arg(long, value_name = "P.svg|P.png")]
     picture: Option<PathBuf>,
 }
 

@@ -35,8 +35,8 @@ pub(crate) struct Args {
     /// The mesh with its new labels (.ply, scalar `label`), or a table of them (.csv); `-` is standard output (CSV)
     #[arg(long, short, value_name = "OUT")]
     out: Option<PathBuf>,
-    /// Draw the mesh with its new regions (SVG)
-    #[arg(long, value_name = "P.svg")]
+    /// Draw the mesh with its new regions (SVG or PNG)
+    #[arg(long, value_name = "P.svg|P.png")]
     picture: Option<PathBuf>,
 }
 

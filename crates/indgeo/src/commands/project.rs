@@ -20,8 +20,8 @@ use std::path::PathBuf;
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = AFTER_HELP)]
 pub(crate) struct Args {
-    /// NURBS curves or surfaces (JSON, or free-form OBJ), a CAD model (STEP, IGES), or a triangle mesh (STL, PLY, OBJ, OFF); `-` is standard
-    /// input, which cannot be STEP
+    /// NURBS curves or surfaces (JSON, or free-form OBJ), a CAD model (STEP, IGES), a triangle mesh (STL, PLY, OBJ, OFF), or
+    /// signed distances on a grid (.vti of `indgeo field`, with --mode fast); `-` is standard input, which cannot be STEP
     pub(crate) model: PathBuf,
     #[command(flatten)]
     cad: Choice,
@@ -108,12 +108,13 @@ Columns of OUT, one row per point, in the order of POINTS:
   both                as for surfaces; on a curve u is t and v is empty
   mesh                x,y,z,foot_x,foot_y,foot_z,distance,shape,triangle,status,lower_bound  (shape is 0)
   CAD models          x,y,z,foot_x,foot_y,foot_z,distance,shape,u,v,status,lower_bound,on,side,entity
+  field (.vti)        x,y[,z],foot_x,foot_y[,foot_z],distance,status,lower_bound
   one plane curve     x,y,foot_x,foot_y,distance,t,status,lower_bound
   several of them     x,y,foot_x,foot_y,distance,shape,t,status,lower_bound
 Plane curves (\"dim\": 2) take points of two columns, or with z = 0.
 
 distance  in the unit of the files. Onto surfaces it is positive on the side to which the normal (du x dv) points, onto
-          closed meshes positive outside; onto curves and open meshes it has no sign.
+          closed meshes positive outside; onto curves and open meshes it has no sign. Fields give it their own.
 shape     index of the curve or surface in the model, triangle: index in the mesh; both count from 0.
 status    converged, on_boundary (the closest point lies on the boundary of the model), uncertified (a foot, but the proof
           that none is nearer stayed open), stalled, max_iterations, diverged, cancelled, invalid_point; with --max-angle
@@ -121,7 +122,7 @@ status    converged, on_boundary (the closest point lies on the boundary of the 
           distance on surfaces, the nearest points of the triangles that agree on a mesh, and on an edge any face there will
           do), no_normal (that of the point is zero). In PLY a number, named in the header.
 lower_bound  no point of the model, with --max-angle no foot that counts, is nearer than this; empty where nothing was proven
-          (--mode fast and local).
+          (--mode fast and local, and on fields, whose feet are uncertified without these).
 on, side, entity  of CAD models: face, edge or vertex that holds the foot; outside, inside or undecided (then the distance
           has no sign); number of the face or edge in the file (#entity), shape being the index of a face that holds the foot.
 Numbers read back to the same bits. .csv: a missing value is empty. .ply: binary, doubles, NaN and -1 where there is no
@@ -137,6 +138,7 @@ Examples:
   indgeo project model.json scan.ply -o deviations.csv
   gzip -dc scan.xyz.gz | indgeo project model.json - -o deviations.csv
   indgeo project part.stl scan.xyz -o deviations.ply --json report.json
+  indgeo project distance.vti scan.xyz -o deviations.csv --mode fast
   indgeo project section.json profile.csv -o feet.csv --json - --quiet";
 
 /// Runs the command.

@@ -27,8 +27,8 @@ pub(crate) struct Args {
     /// Fewest points of a region
     #[arg(long, value_name = "N", default_value_t = SegmentationOptions::default().min_points)]
     min_points: usize,
-    /// Draw a mesh with its regions (SVG)
-    #[arg(long, value_name = "P.svg")]
+    /// Draw a mesh with its regions (SVG or PNG)
+    #[arg(long, value_name = "P.svg|P.png")]
     picture: Option<PathBuf>,
 }
 

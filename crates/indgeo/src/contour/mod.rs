@@ -4,6 +4,7 @@ mod drawing;
 mod output;
 pub(crate) mod plane;
 pub(crate) mod source;
+mod surface;
 mod volume;
 
 use crate::cad_output::CadArgs;
@@ -126,6 +127,8 @@ pub(crate) struct ContourResults {
     pub(crate) contours: Vec<CurveResult>,
     /// The mesh of a volume.
     pub(crate) mesh: Option<MeshResult>,
+    /// The surface of a volume, if it was asked for.
+    pub(crate) surface: Option<surface::SurfaceResult>,
 }
 
 /// A curve of the result.
@@ -257,6 +260,10 @@ impl ContourResults {
                 counted(mesh.vertices, "vertex"),
                 counted(mesh.triangles, "triangle")
             );
+            if let Some(surface) = &self.surface {
+                let [u, v] = surface.control_points;
+                text += &format!("\n  surface    {u} x {v} control points, like a {}", surface.kind.name());
+            }
         } else {
             let controls: usize = self.contours.iter().map(|curve| curve.control_points).sum();
             let open = self.contours.iter().filter(|curve| !curve.closed).count();

@@ -120,6 +120,7 @@ pub(super) fn run(job: &Job<'_>, source: &Source, report: &mut Report) -> Result
         }),
         contours: curves,
         mesh: None,
+        surface: None,
     })
 }
 

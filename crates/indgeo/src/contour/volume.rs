@@ -1,7 +1,7 @@
 //! Level sets of volumes.
 
 use super::source::{Source, level_function, without_effect};
-use super::{ContourResults, Job, MeshResult, Method, Region, refused};
+use super::{ContourResults, Job, MeshResult, Method, Region, refused, surface};
 use crate::error::Error;
 use crate::files;
 use crate::report::{Output, Report, Timings};
@@ -19,27 +19,28 @@ pub(super) fn run(job: &Job<'_>, source: &Source, report: &mut Report) -> Result
     let Source::Grid(grid) = source else {
         return Err(Error::content(job.input, "this is no volume", "give a grid of three axes"));
     };
+    let surface_file = job.out.filter(|path| surface::is_surface(path));
+    let is_surface = surface_file.is_some();
     let options = [
         (job.method != Method::Threshold, "--method chan-vese or edges"),
         (job.smooth.is_some(), "--smooth"),
-        (job.controls.is_some(), "--control-points"),
+        (job.controls.is_some() && !is_surface, "--control-points"),
         (job.min_area.is_some(), "--min-area"),
         (job.is_held, "--topology fixed"),
         (!job.start.is_empty(), "--start"),
         (job.length_weight.is_some(), "--length-weight"),
         (job.balloon.is_some(), "--balloon"),
         (job.picture.is_some(), "--picture"),
-        (job.cad.unit.is_some(), "--unit"),
-        (job.cad.name.is_some(), "--name"),
+        (job.cad.unit.is_some() && !is_surface, "--unit"),
+        (job.cad.name.is_some() && !is_surface, "--name"),
     ];
-    without_effect(&options, "a volume")?;
-    if let Some(path) = job.out {
+    without_effect(&options, if is_surface { "the surface of a volume" } else { "the mesh of a volume" })?;
+    if let Some(path) = job.out.filter(|_| !is_surface) {
         let format = Format::from_extension(&files::extension(path));
         let is_mesh = matches!(format, Some(Format::Stl | Format::Ply | Format::Obj | Format::Off));
         if !is_mesh && !files::is_stream(path) {
-            let what = "a volume becomes a mesh, which this format does not hold";
-            let advice =
-                "choose .stl, .ply, .obj or .off; `indgeo fit-surface` fits a NURBS surface to a mesh";
+            let what = "a volume becomes a mesh or a surface, which this format does not hold";
+            let advice = "choose .stl, .ply, .obj or .off for a mesh, .json, .step or .igs for a surface";
             return Err(Error::content(path, what, advice));
         }
     }
@@ -63,8 +64,16 @@ pub(super) fn run(job: &Job<'_>, source: &Source, report: &mut Report) -> Result
     .map_err(failed)?;
     let cell = function.spacing().min();
     let tolerance = job.tolerance.unwrap_or(TOLERANCE * cell);
+    report.timings = timings;
+    let fitted =
+        surface_file.map(|path| surface::run(job, path, &field, &mesh, tolerance, report)).transpose()?;
+    let mut timings = report.timings;
     let region = topology(&function.counts(), function.values());
-    let max = gap.forth.max(gap.back);
+    let max = match &fitted {
+        Some(fitted) => fitted.max_of_surface.max(fitted.max_of_level_set),
+        None => gap.forth.max(gap.back),
+    };
+    let is_whole = fitted.as_ref().is_none_or(|fitted| fitted.folds == 0);
     let result = MeshResult {
         vertices: mesh.vertices().len(),
         triangles: mesh.triangles().len(),
@@ -72,7 +81,7 @@ pub(super) fn run(job: &Job<'_>, source: &Source, report: &mut Report) -> Result
         max_of_mesh: gap.forth,
         max_of_level_set: gap.back,
     };
-    if let Some(path) = job.out {
+    if let Some(path) = job.out.filter(|_| !is_surface) {
         let content = counted(mesh.triangles().len(), "triangle");
         let written = Timings::measure(&mut timings.write, || {
             files::write_content(path, &Content::Mesh(mesh), &WriteOptions::default())
@@ -89,12 +98,13 @@ pub(super) fn run(job: &Job<'_>, source: &Source, report: &mut Report) -> Result
         smoothing: 0.0,
         tolerance,
         max: Some(max),
-        within_tolerance: max <= tolerance,
+        within_tolerance: max <= tolerance && is_whole,
         components: region.components,
         holes: region.holes,
         left_out: 0,
         evolution: None,
         contours: Vec::new(),
         mesh: Some(result),
+        surface: fitted,
     })
 }

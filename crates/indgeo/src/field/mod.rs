@@ -17,9 +17,10 @@ use industrial_geometry::distance_field::grid::{
 };
 use industrial_geometry::io::ReadOptions;
 use industrial_geometry::level_set::Image;
+use industrial_geometry::mesh::MeshProjector;
 use industrial_geometry::mesh::nalgebra::{SVector, Vector2};
 use serde::Serialize;
-use shape::{Shape, Sides};
+use shape::{Shape, Sides, SpaceShape};
 use std::path::Path;
 
 /// Nodes along the longest side where no grid is given, in the plane and in space.
@@ -193,10 +194,30 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
             conclude(job, &lattice, found, form, timings, report)
         }
         Sides::Space(shape) => {
+            if let SpaceShape::Mesh { projector, winding, .. } = &shape {
+                warn_of_mesh(job.shape, projector, winding.is_some(), report);
+            }
             let lattice = lattice::<3>(job, shape.bounds())?;
             let found = of_shape(job, &shape, &lattice, &mut timings)?;
             conclude(job, &lattice, found, form, timings, report)
         }
+    }
+}
+
+/// Says what of a mesh does not count, and what tells its inside where it does not enclose one.
+fn warn_of_mesh(path: &Path, projector: &MeshProjector, by_winding: bool, report: &mut Report) {
+    let name = path.display();
+    if projector.skipped() > 0 {
+        let count = counted(projector.skipped(), "triangle");
+        report
+            .warnings
+            .push(format!("{name}: {count} without area or with coordinates that are not finite left out"));
+    }
+    if by_winding {
+        report.warnings.push(format!(
+            "{name}: the mesh encloses no solid ({}): inside is where its generalised winding number exceeds one half",
+            projector.topology()
+        ));
     }
 }
 
@@ -364,22 +385,18 @@ fn conclude<const D: usize>(
     mut timings: Timings,
     report: &mut Report,
 ) -> Result<bool, Error> {
-    let mut outputs = Vec::new();
     Timings::measure(&mut timings.write, || -> Result<(), Error> {
         if let (Some(path), Some(form)) = (job.out, form) {
             let bytes = files::write(path, |out| arrays::write(out, form, lattice, &found.values))?;
             let content = counted(found.values.len(), "distance");
-            outputs.push(Output { path: path.to_path_buf(), bytes, content });
+            report.add_output(Output { path: path.to_path_buf(), bytes, content });
         }
         if let Some(path) = job.picture {
-            let text = picture::draw(lattice, &found.values, &found.obstacles, &found.paths);
-            let bytes = files::write(path, |out| out.write_all(text.as_bytes()))?;
-            outputs.push(Output { path: path.to_path_buf(), bytes, content: "picture".to_owned() });
+            picture::write(path, lattice, &found.values, &found.obstacles, &found.paths, report)?;
         }
         Ok(())
     })?;
     report.timings = timings;
-    outputs.into_iter().for_each(|output| report.add_output(output));
     let blocked = |value: f64| found.blocked > 0 && value == -1.0;
     let finite = found.values.iter().copied().filter(|value| value.is_finite() && !blocked(*value));
     let (min, max) =

@@ -120,7 +120,7 @@ fn measured(model: &Model) -> Measured {
         Model::Plane(_) => Measured::Profile,
         Model::Space { surfaces, .. } if surfaces.shapes.is_empty() => Measured::Curves,
         Model::Space { .. } | Model::Cad(_) => Measured::Surfaces,
-        Model::Mesh(_) => Measured::Mesh,
+        Model::Mesh(_) | Model::LevelSet(_) => Measured::Mesh,
     }
 }
 
@@ -151,6 +151,11 @@ fn build(loaded: Loaded, job: &Job<'_>, warnings: &mut Vec<String>) -> Result<No
         }
         Model::Mesh(mesh) => Nominal::from_mesh(&mesh),
         Model::Cad(cad) => Nominal::from_brep(cad.model),
+        Model::LevelSet(_) => {
+            let what = "a grid of distances is no nominal shape: its distances have no proof";
+            let advice = "make a mesh of it (`indgeo contour FIELD.vti -o MESH.ply`) and give that";
+            return Err(Error::content(job.model, what, advice));
+        }
     };
     let nominal = nominal
         .map_err(|error| Error::content(job.model, error.to_string(), "check it with `indgeo info`"))?;

@@ -1,6 +1,7 @@
 //! Geodesic distances and curves: read, compute, write.
 
-use super::{MetricChoice, mesh_of, picture, read, refused, warn_of_cuts};
+use super::picture::{self, Shown};
+use super::{MetricChoice, mesh_of, read, refused, warn_of_cuts};
 use crate::error::Error;
 use crate::files;
 use crate::report::{Output, Report, Results, Timings};
@@ -121,7 +122,6 @@ fn on_mesh(
     }
     if let Some(path) = job.picture {
         picture::check(path)?;
-        picture::check_size(&given, path)?;
     }
     let count = given.vertices().len();
     let failed = |error| refused(job.shape, &error, HELP);
@@ -175,10 +175,8 @@ fn on_mesh(
     Timings::measure(&mut seconds, || write_distances(job, &mesh, values, report))?;
     if let Some(path) = job.picture {
         let lines: Vec<&[[f64; 3]]> = paths.iter().map(|path: &CurveResult| path.points.as_slice()).collect();
-        let drawn = picture::draw(&mesh, &distances.values, &lines);
-        let bytes = files::write(path, |out| out.write_all(drawn.as_bytes()))?;
-        let content = "picture: distances, isolines and curves".to_owned();
-        report.add_output(Output { path: path.to_path_buf(), bytes, content });
+        let content = "picture: distances, isolines and curves";
+        picture::write(path, &mesh, &Shown::Values(&distances.values), &lines, content, report)?;
     }
     timings.write = seconds;
     Ok(GeodesicResults {

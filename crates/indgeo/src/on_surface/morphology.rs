@@ -1,6 +1,7 @@
 //! Regions on meshes, made larger and smaller: read, compute, write.
 
-use super::{MetricChoice, labels, mesh_of, picture, read, refused, warn_of_cuts};
+use super::picture::{self, Shown};
+use super::{MetricChoice, labels, mesh_of, read, refused, warn_of_cuts};
 use crate::error::Error;
 use crate::files;
 use crate::report::{Output, Report, Results, Timings};
@@ -101,9 +102,6 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<(), Error> {
     }
     let mut timings = Timings::default();
     let mesh = mesh_of(read(job.mesh, report, &mut timings)?, job.mesh)?;
-    if let Some(path) = job.picture {
-        picture::check_size(&mesh, path)?;
-    }
     let before = labels::read(job.regions, &mesh, job.mesh)?;
     let failed = |error| refused(job.mesh, &error, HELP);
     let metric_mesh =
@@ -129,9 +127,9 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<(), Error> {
     let mut seconds = timings.write;
     let values: Vec<f64> = after.iter().map(|&label| label as f64).collect();
     if let Some(path) = job.picture {
-        let drawn = picture::draw(&mesh, &values, &[]);
-        let bytes = files::write(path, |out| out.write_all(drawn.as_bytes()))?;
-        report.add_output(Output { path: path.to_path_buf(), bytes, content: "picture: regions".to_owned() });
+        // Vertices without a region are grey.
+        let shown: Vec<i64> = after.iter().map(|&label| if label == 0 { -1 } else { label }).collect();
+        picture::write(path, &mesh, &Shown::Labels(&shown), &[], "picture: regions", report)?;
     }
     Timings::measure(&mut seconds, || -> Result<(), Error> {
         let Some(path) = job.out else { return Ok(()) };

@@ -88,7 +88,7 @@ pub(crate) struct Layout(Vec<Column>);
 impl Layout {
     /// The columns for a model of `shapes` shapes.
     pub(crate) fn of(target: &Target, shapes: usize) -> Self {
-        let dimension = if matches!(target, Target::Plane(_)) { 2 } else { 3 };
+        let dimension = if target.is_planar() { 2 } else { 3 };
         let mut columns: Vec<Column> = (0..dimension).map(Column::Point).collect();
         columns.extend((0..dimension).map(Column::Foot));
         columns.push(Column::Distance);
@@ -98,6 +98,7 @@ impl Layout {
             Target::Plane(_) | Target::Space { surfaces: None, .. } => &[Column::Shape, Column::T],
             Target::Space { .. } | Target::Cad(_) => &[Column::Shape, Column::U, Column::V],
             Target::Mesh(_) => &[Column::Shape, Column::Triangle],
+            Target::LevelSet(_) => &[],
         };
         columns.extend(rest);
         columns.extend([Column::Status, Column::LowerBound]);

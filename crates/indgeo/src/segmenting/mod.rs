@@ -5,7 +5,7 @@ pub(crate) mod summary;
 
 use crate::error::Error;
 use crate::files;
-use crate::on_surface::picture;
+use crate::on_surface::picture::{self, Shown};
 use crate::points::Points;
 use crate::report::{Input, Output, Report, Results, Timings};
 use crate::wording::counted;
@@ -82,7 +82,6 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
         Some(path) => {
             let mesh =
                 TriangleMesh::new(points.positions.clone(), points.triangles.clone()).map_err(failed)?;
-            picture::check_size(&mesh, path)?;
             Some((path, mesh))
         }
         None => None,
@@ -99,14 +98,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
     let mut seconds = timings.write;
     Timings::measure(&mut seconds, || -> Result<(), Error> {
         if let Some((path, mesh)) = &mesh {
-            let values: Vec<f64> = labels.iter().map(|&label| label as f64).collect();
-            let drawn = picture::draw(mesh, &values, &[]);
-            let bytes = files::write(path, |out| out.write_all(drawn.as_bytes()))?;
-            report.add_output(Output {
-                path: path.to_path_buf(),
-                bytes,
-                content: "picture: regions".to_owned(),
-            });
+            picture::write(path, mesh, &Shown::Labels(&labels), &[], "picture: regions", report)?;
         }
         let Some(path) = job.out else { return Ok(()) };
         let bytes = if files::extension(path) == "ply" {

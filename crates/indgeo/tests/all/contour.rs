@@ -147,8 +147,59 @@ fn grids_in_the_plane_and_in_space() {
     // Half as wide, the tolerance is not reached at the sharp edges of the cube, which the spline through the values does not know.
     let report = contour(&bench, "d.vti -o out.ply --tolerance 1e-9", 1);
     assert_eq!(report["status"], "out_of_tolerance");
-    let run = bench.run("contour d.vti -o out.json");
-    assert!(run.code == 2 && run.stderr.contains("fit-surface"), "{}", run.stderr);
+    let run = bench.run("contour d.vti -o out.dxf");
+    assert!(run.code == 2 && run.stderr.contains(".stl") && run.stderr.contains(".step"), "{}", run.stderr);
+}
+
+#[test]
+fn volumes_become_surfaces_and_models() {
+    let bench = Bench::new();
+    bench.put("cube.off", crate::common::CUBE);
+    let run = bench.run("field cube.off -o d.vti --grid 29x29x29 --box -1,-1,-1,2,2,2 --signed --quiet");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    // An offset of the unit cube, all of whose edges are round.
+    let report = contour(&bench, "d.vti --level 0.6 -o ball.json --tolerance 0.02", 0);
+    let surface = &report["results"]["surface"];
+    assert!(surface["kind"] == "sphere" && surface["folds"] == 0, "{surface}");
+    let points = "0.5,0.5,1.7\n2.4,0.5,0.5\n0.5,-0.3,0.5\n";
+    bench.put("p.csv", format!("x,y,z\n{points}"));
+    let run = bench.run("project ball.json p.csv -o feet.csv --quiet");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let column = |name: &str| -> Vec<f64> {
+        let text = bench.text(name);
+        let place = text.lines().next().unwrap().split(',').position(|c| c == "distance").unwrap();
+        text.lines().skip(1).map(|line| line.split(',').nth(place).unwrap().parse().unwrap()).collect()
+    };
+    for (found, right) in column("feet.csv").iter().zip([0.1f64, 0.8, 0.3]) {
+        assert!((found.abs() - right).abs() < 0.02, "{found} {right}");
+    }
+    // Without a level, the cube itself; there is no proof that its feet are the nearest.
+    let run = bench.run("project d.vti p.csv -o feet.csv --mode fast --json -");
+    assert_eq!((run.code, &run.report()["model"]["kind"]), (0, &"level_set".into()), "{}", run.stderr);
+    for (found, right) in column("feet.csv").iter().zip([0.7, 1.4, 0.3]) {
+        assert!((found - right).abs() < 0.01, "{found} {right}");
+    }
+    let run = bench.run("project d.vti p.csv -o feet.csv");
+    assert!(run.code == 1 && run.stderr.contains("--mode fast"), "{} {}", run.code, run.stderr);
+    let run = bench.run("inspect d.vti p.csv -t 1");
+    assert!(run.code == 2 && run.stderr.contains("indgeo contour"), "{}", run.stderr);
+    // Two parts.
+    bench.put("a.csv", "x,y,z\n0,0,0\n3,0,0\n");
+    let run = bench.run("field a.csv -o two.vti --grid 41x21x21 --box -1,-1,-1,4,1,1 --quiet");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let run = bench.run("contour two.vti --level 0.5 -o two.json");
+    assert!(run.code == 2 && run.stderr.contains("2 parts") && !bench.path("two.json").exists(), "{}", run.stderr);
+}
+
+#[test]
+fn noise_is_followed_within_the_tolerance() {
+    // A disc with noise of a tenth of its contrast, which leaves necks, cusps and bulbs of less than a pixel.
+    let noise = |x: f64, y: f64| ((x * 12.9898 + y * 78.233).sin() * 43758.5453).fract();
+    let bench = Bench::new();
+    let disc = |x: f64, y: f64| 60.0 + 40.0 * (6.0 - 0.3 * (x - 40.0).hypot(y - 40.0)).tanh() + 60.0 * noise(x, y);
+    bench.put("disc.pgm", pgm(80, 80, disc));
+    let report = contour(&bench, "disc.pgm -o disc.json --level 60", 0);
+    assert!(report["results"]["contours"].as_array().unwrap().len() > 3);
 }
 
 #[test]

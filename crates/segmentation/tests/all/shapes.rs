@@ -122,6 +122,35 @@ fn a_helical_surface_tells_axis_and_pitch() {
     assert!((pitch - 10.0).abs() < 0.05 && axis.cross(&Vector3::z()).norm() < 0.005, "{pitch} {axis}");
     assert!(point.x.hypot(point.y) < 0.05, "{point}");
     assert!(found.regions[0].support > 2400, "{found}");
+    // Tilts, shifts and the pitch with their covariance: within 5 standard deviations.
+    let covariance = &found.regions[0].covariance;
+    let deviation = |k: usize| covariance[k][k].sqrt();
+    assert_eq!(covariance.len(), 5);
+    assert!((pitch - 10.0).abs() < 5.0 * deviation(4) && deviation(4) < 0.02, "{pitch} {}", deviation(4));
+    assert!(axis.x.abs() < 5.0 * deviation(0).max(deviation(1)), "{axis} {}", deviation(0));
+}
+
+#[test]
+fn flanks_of_a_thread_share_one_motion() {
+    // Six short flanks of a screw with six starts, each of which a torus explains as well within this noise.
+    let (mut random, mut points) = (Random(5), Vec::new());
+    for start in 0..6 {
+        for _ in 0..500 {
+            let (a, v) = (0.5 * random.next(), random.next());
+            let (r, h) = (8.0 + 3.0 * v, 1.5 * (1.0 - v) * v);
+            let turn = a + std::f64::consts::TAU * f64::from(start) / 6.0 + 0.25 * h;
+            let z = 60.0 / std::f64::consts::TAU * a;
+            points.push(Point3::new(r * turn.cos(), r * turn.sin(), z) + random.noise(0.02));
+        }
+    }
+    let found = run(&points);
+    for start in 0..6 {
+        let (part, label) = share(&found, 500 * start, 500 * start + 500);
+        assert!(part > 0.8, "{part} of flank {start}: {found}");
+        let shape = &found.regions[label.unwrap() as usize].shape;
+        let Shape::Helix { axis, pitch, .. } = shape else { panic!("flank {start}: {shape:?}") };
+        assert!((pitch.abs() - 60.0).abs() < 3.0 && axis.cross(&Vector3::z()).norm() < 0.03, "{shape:?}");
+    }
 }
 
 #[test]
