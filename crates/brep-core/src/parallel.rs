@@ -1,8 +1,6 @@
-//! Work on many things at once (the only file that knows `rayon`).
-
-use rayon::prelude::*;
+//! Work on many things at once.
 
 /// The results for all items, in their order.
-pub(crate) fn map<I: Sync, T: Send>(items: &[I], f: impl Fn(&I) -> T + Sync + Send) -> Vec<T> {
-    items.par_iter().map(f).collect()
+pub(crate) fn map<I: Sync, T: Send>(items: &[I], f: impl Fn(&I) -> T + Sync) -> Vec<T> {
+    lanes::tasks(items.len(), |index| f(&items[index]))
 }

@@ -1,7 +1,6 @@
-//! Work in parallel, with results that do not depend on the number of threads (the only file that knows `rayon`).
+//! Work in parallel, with results that do not depend on the number of threads.
 
 use crate::error::Error;
-use rayon::prelude::*;
 use std::io::{self, Write};
 use std::ops::{ControlFlow, Range};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -41,8 +40,7 @@ pub(crate) fn map<T: Sync, R: Clone + Send + Sync>(
         }
         out
     };
-    let chunks: Vec<Vec<R>> = items.par_chunks(CHUNK).map(task).collect();
-    chunks.into_iter().flatten().collect()
+    lanes::ranges(items.len(), CHUNK, |range| task(&items[range])).into_iter().flatten().collect()
 }
 
 /// Writes `count` rows: `format` appends the bytes of a range of rows, ranges are formatted in parallel and written in order.
@@ -55,12 +53,12 @@ pub(crate) fn write_rows(
     while start < count {
         let stop = count.min(start + CHUNK * TASKS);
         let starts: Vec<usize> = (start..stop).step_by(CHUNK).collect();
-        let task = |&first: &usize| {
+        let task = |first: usize| {
             let mut bytes = Vec::new();
             format(first..stop.min(first + CHUNK), &mut bytes);
             bytes
         };
-        let texts: Vec<Vec<u8>> = starts.par_iter().map(task).collect();
+        let texts: Vec<Vec<u8>> = lanes::tasks(starts.len(), |k| task(starts[k]));
         texts.iter().try_for_each(|text| out.write_all(text))?;
         start = stop;
     }

@@ -1,7 +1,6 @@
-//! Many points at once (the only file that knows `rayon`).
+//! Many points at once.
 
 use footpoint::Progress;
-use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Points per task: fixed, so that the work is cut in the same places whatever the number of threads.
@@ -33,7 +32,7 @@ pub(crate) fn each<T: Clone + Send + Sync>(
     };
     for first in (0..count).step_by(CHUNK * ROUND) {
         let starts: Vec<usize> = (first..count.min(first + CHUNK * ROUND)).step_by(CHUNK).collect();
-        let chunks: Vec<Vec<(usize, T)>> = starts.par_iter().map(|&start| task(start)).collect();
+        let chunks: Vec<Vec<(usize, T)>> = lanes::tasks(starts.len(), |k| task(starts[k]));
         receive(&chunks.into_iter().flatten().collect::<Vec<_>>());
     }
 }

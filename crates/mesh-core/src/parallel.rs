@@ -1,7 +1,6 @@
-//! Work spread over threads, with results that do not depend on their number (the only file that knows `rayon`).
+//! Work spread over threads, with results that do not depend on their number.
 
 use nalgebra::Point;
-use rayon::prelude::*;
 
 use crate::spatial_order::spatial_order;
 
@@ -20,7 +19,7 @@ pub(crate) fn map<const D: usize, T: Send>(
 ///
 /// They are answered in an order in which neighbours follow each other. The scratch memory must not carry anything
 /// from query to query.
-pub(crate) fn map_with<const D: usize, S, T: Send>(
+pub(crate) fn map_with<const D: usize, S: Send, T: Send>(
     points: &[Point<f64, D>],
     scratch: impl Fn() -> S + Sync,
     f: impl Fn(&mut S, usize) -> T + Sync,
@@ -36,25 +35,12 @@ pub(crate) fn map_with<const D: usize, S, T: Send>(
 }
 
 /// `f(scratch, 0), f(scratch, 1), …` in order.
-fn in_chunks<S, T: Send>(
+fn in_chunks<S: Send, T: Send>(
     count: usize,
     scratch: impl Fn() -> S + Sync,
     f: impl Fn(&mut S, usize) -> T + Sync,
 ) -> Vec<T> {
-    let chunks = count.div_ceil(CHUNK);
-    let task = |chunk: usize| {
-        let mut scratch = scratch();
-        let range = chunk * CHUNK..((chunk + 1) * CHUNK).min(count);
-        range.map(|index| f(&mut scratch, index)).collect::<Vec<T>>()
-    };
-    // A single chunk needs no other thread.
-    if chunks <= 1 {
-        return (0..chunks).flat_map(task).collect();
-    }
-    let parts: Vec<Vec<T>> = (0..chunks).into_par_iter().map(task).collect();
-    let mut all = Vec::with_capacity(count);
-    all.extend(parts.into_iter().flatten());
-    all
+    lanes::map_with(count, CHUNK, scratch, f)
 }
 
 #[cfg(test)]

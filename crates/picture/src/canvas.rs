@@ -1,7 +1,5 @@
 //! Pixels in colours, drawn at twice the size and averaged.
 
-use rayon::prelude::*;
-
 /// Pixels along each side of one of the picture.
 pub(crate) const FINE: usize = 2;
 
@@ -57,7 +55,7 @@ impl Canvas {
             };
             (0..width).flat_map(|x| [byte(x, 0), byte(x, 1), byte(x, 2)]).collect::<Vec<u8>>()
         };
-        let rows: Vec<Vec<u8>> = (0..height).into_par_iter().map(row).collect();
+        let rows: Vec<Vec<u8>> = lanes::tasks(height, row);
         Raster { width, height, colours: rows.concat() }
     }
 }

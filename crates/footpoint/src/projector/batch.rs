@@ -104,9 +104,9 @@ pub(crate) fn each<const D: usize, B: Batch<D>, T: Send>(
     let done = AtomicUsize::new(0);
     let cancelled = AtomicBool::new(false);
     for round in order.chunks(CHUNK * ROUND) {
-        let chunks: Vec<Vec<(usize, T)>> = round
-            .par_chunks(CHUNK)
-            .map_init(B::Scratch::default, |scratch, chunk| {
+        let chunks: Vec<Vec<(usize, T)>> =
+            lanes::tasks_with(round.len().div_ceil(CHUNK), B::Scratch::default, |scratch, task| {
+                let chunk = &round[task * CHUNK..((task + 1) * CHUNK).min(round.len())];
                 let mut out = Vec::with_capacity(chunk.len());
                 if !cancelled.load(Relaxed) {
                     slice(batch, queries, chunk, scratch, &mut |index, answer| {
@@ -124,8 +124,7 @@ pub(crate) fn each<const D: usize, B: Batch<D>, T: Send>(
                 let left = chunk[out.len()..].iter().map(|&index| index as usize);
                 out.extend(left.map(|index| (index, treat(index, &batch.cancelled()))).collect::<Vec<_>>());
                 out
-            })
-            .collect();
+            });
         receive(&chunks.into_iter().flatten().collect::<Vec<_>>());
     }
 }
@@ -141,10 +140,9 @@ pub(crate) fn zip_chunks<P: Sync, R: Send, W: Default + Send>(
         treat(points, answers, &mut W::default());
         return;
     }
-    points
-        .par_chunks(length)
-        .zip(answers.par_chunks_mut(length))
-        .for_each_init(W::default, |work, (points, answers)| treat(points, answers, work));
+    lanes::fill_with(answers, length, W::default, |work, first, answers| {
+        treat(&points[first..first + answers.len()], answers, work);
+    });
 }
 
 /// Indices of the points along a space-filling (Morton) curve, so that neighbours in the order are neighbours in
