@@ -188,7 +188,11 @@ fn volumes_become_surfaces_and_models() {
     let run = bench.run("field a.csv -o two.vti --grid 41x21x21 --box -1,-1,-1,4,1,1 --quiet");
     assert_eq!(run.code, 0, "{}", run.stderr);
     let run = bench.run("contour two.vti --level 0.5 -o two.json");
-    assert!(run.code == 2 && run.stderr.contains("2 parts") && !bench.path("two.json").exists(), "{}", run.stderr);
+    assert!(
+        run.code == 2 && run.stderr.contains("2 parts") && !bench.path("two.json").exists(),
+        "{}",
+        run.stderr
+    );
 }
 
 #[test]
@@ -196,7 +200,8 @@ fn noise_is_followed_within_the_tolerance() {
     // A disc with noise of a tenth of its contrast, which leaves necks, cusps and bulbs of less than a pixel.
     let noise = |x: f64, y: f64| ((x * 12.9898 + y * 78.233).sin() * 43758.5453).fract();
     let bench = Bench::new();
-    let disc = |x: f64, y: f64| 60.0 + 40.0 * (6.0 - 0.3 * (x - 40.0).hypot(y - 40.0)).tanh() + 60.0 * noise(x, y);
+    let disc =
+        |x: f64, y: f64| 60.0 + 40.0 * (6.0 - 0.3 * (x - 40.0).hypot(y - 40.0)).tanh() + 60.0 * noise(x, y);
     bench.put("disc.pgm", pgm(80, 80, disc));
     let report = contour(&bench, "disc.pgm -o disc.json --level 60", 0);
     assert!(report["results"]["contours"].as_array().unwrap().len() > 3);
