@@ -11,6 +11,7 @@ use industrial_geometry::io::{self, Content, ReadOptions};
 use mesh_core::{MeshProjector, TriangleMesh};
 use nalgebra::{Point3, SVector, Vector2, Vector3};
 use std::f64::consts::{FRAC_PI_2, TAU};
+use std::path::Path;
 
 type Failure = Box<dyn std::error::Error>;
 
@@ -166,7 +167,8 @@ fn redistancing() -> Result<(), Failure> {
 
 /// Signed distances of a mesh, of the mesh with a hole, and of the mesh with triangles turned.
 fn signs() -> Result<(), Failure> {
-    let Content::Mesh(mesh) = io::read("fixtures/mesh/bunny.obj".as_ref(), &ReadOptions::default())?.content
+    let Content::Mesh(mesh) =
+        io::read(Path::new("fixtures/mesh/bunny.obj"), &ReadOptions::default())?.content
     else {
         return Err("the bunny is no mesh".into());
     };
