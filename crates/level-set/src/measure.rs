@@ -65,7 +65,7 @@ fn between(field: &LevelSetField<2>, [(from, a), (to, b)]: [Sample; 2], share: f
     let frame = field.frame(&a.lerp(&b, share), Search::Global, &Hint::NONE);
     // Where another part is nearer, or the foot is none, the neighbours speak for the part between them.
     let is_near = frame.status.is_converged() && frame.distance.abs() <= 0.5 * (b - a).norm();
-    is_near.then(|| (from + share * (to - from), frame.foot))
+    is_near.then_some((from + share * (to - from), frame.foot))
 }
 
 /// The larger of two distances; one that is not a number is larger than all, so that no verdict passes over it.

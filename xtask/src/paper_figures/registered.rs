@@ -13,7 +13,7 @@ pub(super) fn cloud() -> Result<String, Box<dyn Error>> {
     let folder = crate::workspace::root().join("fixtures/register-cases");
     let surface: BsplineSurface = serde_json::from_slice(&std::fs::read(folder.join("cad.json"))?)?;
     let content =
-        pc_io::read(&folder.join("cad_noise1e-3/source.ply"), &pc_io::ReadOptions::default())?.content;
+        pc_io::read(folder.join("cad_noise1e-3/source.ply"), &pc_io::ReadOptions::default())?.content;
     let pc_io::Content::Cloud(cloud) = content else { return Err("the scan is no cloud".into()) };
     let points: Vec<Vector3<f64>> = cloud.positions().iter().map(|p| p.coords).collect();
     let starts: serde_json::Value =

@@ -22,16 +22,39 @@ pub fn carry<const D: usize>(
     for seed in seeds {
         (values[seed.node], nearest[seed.node]) = (seed.distance, seed.element);
     }
-    for round in 1..=MOST_ROUNDS {
-        let mut has_changed = false;
-        for direction in 0..1usize << D {
-            has_changed |= one_way(lattice, direction, elements, &mut values, &mut nearest);
-        }
-        if !has_changed {
-            return (values, round);
+    let around = around(lattice);
+    let directions = 1usize << D;
+    // When no direction has changed anything since it was last swept, none will.
+    let mut quiet = 0;
+    for count in 1..=MOST_ROUNDS * directions {
+        let direction = (count - 1) % directions;
+        let has_changed = one_way(lattice, direction, elements, &around, &mut values, &mut nearest);
+        quiet = if has_changed { 0 } else { quiet + 1 };
+        if quiet == directions {
+            return (values, count.div_ceil(directions));
         }
     }
     (values, MOST_ROUNDS)
+}
+
+/// The offsets of −1, 0, 1 along the axes, as differences of nodes.
+fn around<const D: usize>(lattice: &Lattice<D>) -> Vec<isize> {
+    let strides: [usize; D] = std::array::from_fn(|k| lattice.stride(k));
+    let difference = |offset: usize| {
+        let mut rest = offset;
+        let mut sum = 0;
+        for stride in strides {
+            let stride = isize::try_from(stride).unwrap_or(isize::MAX);
+            sum += match rest % 3 {
+                0 => -stride,
+                1 => 0,
+                _ => stride,
+            };
+            rest /= 3;
+        }
+        sum
+    };
+    (0..3usize.pow(u32::try_from(D).unwrap_or(3))).map(difference).collect()
 }
 
 /// One sweep, along axis `k` downwards where bit `k` of `direction` is set; returns whether a value has changed.
@@ -39,6 +62,7 @@ fn one_way<const D: usize>(
     lattice: &Lattice<D>,
     direction: usize,
     elements: &[Element<D>],
+    around: &[isize],
     values: &mut [f64],
     nearest: &mut [u32],
 ) -> bool {
@@ -50,23 +74,22 @@ fn one_way<const D: usize>(
         let at: [usize; D] =
             std::array::from_fn(|k| if direction >> k & 1 == 1 { counts[k] - 1 - step[k] } else { step[k] });
         let node: usize = (0..D).map(|k| at[k] * strides[k]).sum();
-        let x = lattice.point(node);
-        // All offsets of −1, 0, 1 along the axes.
+        let is_inner = (0..D).all(|k| at[k] > 0 && at[k] + 1 < counts[k]);
         let mut tried = nearest[node];
-        for offset in 0..3usize.pow(u32::try_from(D).unwrap_or(3)) {
-            let mut rest = offset;
-            let mut other = Some(0);
-            for k in 0..D {
-                let place = (at[k] + rest % 3).checked_sub(1).filter(|&place| place < counts[k]);
-                other = other.zip(place).map(|(sum, place)| sum + place * strides[k]);
-                rest /= 3;
-            }
+        let mut place = None;
+        for (offset, &difference) in around.iter().enumerate() {
+            let other = if is_inner {
+                Some(node.wrapping_add_signed(difference))
+            } else {
+                beside(&at, &counts, offset).then(|| node.wrapping_add_signed(difference))
+            };
             let Some(element) = other.map(|other| nearest[other]).filter(|&e| e != u32::MAX && e != tried)
             else {
                 continue;
             };
             tried = element;
-            let distance = elements[element as usize].distance(&x);
+            let x = place.get_or_insert_with(|| lattice.point(node));
+            let distance = elements[element as usize].distance(x);
             if distance < values[node] {
                 (values[node], nearest[node]) = (distance, element);
                 has_changed = true;
@@ -76,4 +99,14 @@ fn one_way<const D: usize>(
         step[axis] += 1;
         step[axis + 1..].fill(0);
     }
+}
+
+/// Whether the node at an offset is one of the grid.
+fn beside<const D: usize>(at: &[usize; D], counts: &[usize; D], offset: usize) -> bool {
+    let mut rest = offset;
+    (0..D).all(|k| {
+        let place = (at[k] + rest % 3).checked_sub(1);
+        rest /= 3;
+        place.is_some_and(|place| place < counts[k])
+    })
 }

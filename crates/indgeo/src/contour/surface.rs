@@ -150,8 +150,8 @@ fn kind(mesh: &TriangleMesh) -> Result<BaseShape, String> {
     let ends: Vec<u32> = border.iter().map(|edge| edge.0).collect();
     let borders = count(&mut rings, &ends);
     // Euler's number with the holes filled: 2 less 2 for each handle.
-    let euler = (vertices + mesh.triangles().len() + borders).checked_signed_diff(edges.len());
-    let handles = (2 - euler.unwrap_or(0)) / 2;
+    let faces = mesh.triangles().len() + borders;
+    let handles = (edges.len() + 2).saturating_sub(vertices + faces) / 2;
     match (borders, handles) {
         (0, 0) => Ok(BaseShape::Sphere),
         (0, 1) => Ok(BaseShape::Torus),
@@ -246,9 +246,7 @@ mod tests {
     #[test]
     fn kinds_are_told_by_borders_and_handles() {
         let ball = |p: &Vector3<f64>, x: f64, r: f64| (p - Vector3::new(x, 0.0, 0.0)).norm() - r;
-        let ring = |p: &Vector3<f64>, x: f64, big: f64| {
-            (p.xy().metric_distance(&[x, 0.0].into()) - big).hypot(p.z) - 0.3
-        };
+        let ring = |p: &Vector3<f64>, x: f64, big: f64| ((p.x - x).hypot(p.y) - big).hypot(p.z) - 0.3;
         assert_eq!(kind(&mesh_of(|p| ball(p, 0.0, 1.0))), Ok(BaseShape::Sphere));
         assert_eq!(kind(&mesh_of(|p| ring(p, 0.0, 0.9))), Ok(BaseShape::Torus));
         assert_eq!(kind(&mesh_of(|p| p.z - 0.1 * p.x)), Ok(BaseShape::Plane));

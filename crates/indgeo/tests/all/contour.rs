@@ -197,14 +197,14 @@ fn volumes_become_surfaces_and_models() {
 
 #[test]
 fn noise_is_followed_within_the_tolerance() {
-    // A disc with noise of a tenth of its contrast, which leaves necks, cusps and bulbs of less than a pixel.
-    let noise = |x: f64, y: f64| ((x * 12.9898 + y * 78.233).sin() * 43758.5453).fract();
+    // A disc in noise, which leaves necks, cusps and bulbs of less than a pixel.
+    let noise = |x: f64, y: f64| ((x * 12.9898 + y * 78.233).sin() * 43_758.545_3).fract();
+    let step = |r: f64| 120.0 + 60.0 * (6.0 - 0.3 * r).tanh();
+    let disc = |x: f64, y: f64| step((x - 40.0).hypot(y - 40.0)) + 300.0 * noise(x, y);
     let bench = Bench::new();
-    let disc =
-        |x: f64, y: f64| 60.0 + 40.0 * (6.0 - 0.3 * (x - 40.0).hypot(y - 40.0)).tanh() + 60.0 * noise(x, y);
     bench.put("disc.pgm", pgm(80, 80, disc));
-    let report = contour(&bench, "disc.pgm -o disc.json --level 60", 0);
-    assert!(report["results"]["contours"].as_array().unwrap().len() > 3);
+    let report = contour(&bench, "disc.pgm -o disc.json --level 120", 0);
+    assert!(report["results"]["contours"].as_array().unwrap().len() > 9);
 }
 
 #[test]

@@ -11,6 +11,7 @@ use industrial_geometry::io::{self, Content, ReadOptions};
 use mesh_core::{MeshProjector, TriangleMesh};
 use nalgebra::{Point3, SVector, Vector2, Vector3};
 use std::f64::consts::{FRAC_PI_2, TAU};
+use std::path::Path;
 
 type Failure = Box<dyn std::error::Error>;
 
@@ -138,9 +139,9 @@ fn obstacles() -> Result<(), Failure> {
     Ok(())
 }
 
-/// Redistancing of an ellipse's equation.
+/// Redistancing of a function that is no distance.
 fn redistancing() -> Result<(), Failure> {
-    let level = |p: &Vector2<f64>| (p.x * p.x + p.y * p.y - 1.0) * (1.5 + p.x);
+    let level = |p: &Vector2<f64>| ((1.4 * (p.norm_squared() - 1.0)).exp() - 1.0) * (1.5 + p.x);
     let mut before: Option<f64> = None;
     for nodes in [65usize, 129, 257, 513] {
         let spacing = 2.8 / (nodes - 1) as f64;
@@ -166,7 +167,8 @@ fn redistancing() -> Result<(), Failure> {
 
 /// Signed distances of a mesh, of the mesh with a hole, and of the mesh with triangles turned.
 fn signs() -> Result<(), Failure> {
-    let Content::Mesh(mesh) = io::read("fixtures/mesh/bunny.obj".as_ref(), &ReadOptions::default())?.content
+    let Content::Mesh(mesh) =
+        io::read(Path::new("fixtures/mesh/bunny.obj"), &ReadOptions::default())?.content
     else {
         return Err("the bunny is no mesh".into());
     };
@@ -174,13 +176,14 @@ fn signs() -> Result<(), Failure> {
     let margin = (bounds.max - bounds.min) * 0.1;
     let lattice = Lattice::new(bounds.min.coords - margin, bounds.max.coords + margin, [129; 3])?;
     let projector = MeshProjector::new(&mesh)?;
+    let nodes: Vec<Point3<f64>> = (0..lattice.len()).map(|node| Point3::from(lattice.point(node))).collect();
     let began = cpu();
-    let mut values = Vec::with_capacity(lattice.len());
-    for node in 0..lattice.len() {
-        let foot = projector.project(&Point3::from(lattice.point(node)))?;
-        values.push(foot.signed_distance.unwrap_or(f64::NAN));
-    }
+    let feet = projector.project_many(&nodes);
     let exact = (cpu() - began) / lattice.len() as f64;
+    let mut values = Vec::with_capacity(lattice.len());
+    for foot in feet {
+        values.push(foot?.signed_distance.unwrap_or(f64::NAN));
+    }
     let corner = |k: u32| mesh.vertices()[k as usize].coords;
     let triangles: Vec<[Vector3<f64>; 3]> = mesh.triangles().iter().map(|t| t.map(corner)).collect();
     // The sum of solid angles, triangle by triangle.

@@ -18,7 +18,8 @@ fn squares() -> TriangleMesh {
 
 fn at(raster: &Raster, x: f64, y: f64) -> [u8; 3] {
     let place = |share: f64, count: usize| {
-        (0..count).min_by_key(|k| ((*k as f64 / count as f64 - share).abs() * 1e6) as u64)
+        let far = |k: &usize| (*k as f64 / count as f64 - share).abs();
+        (0..count).min_by(|a, b| far(a).total_cmp(&far(b)))
     };
     let k = place(y, raster.height).unwrap() * raster.width + place(x, raster.width).unwrap();
     raster.colours[3 * k..3 * k + 3].try_into().unwrap()
