@@ -288,7 +288,7 @@ impl<'a, const D: usize> Plan<'a, D> {
         // The given one is in the unit of the model.
         let scale = abs_scale
             .map(|scale| scale / view.unit())
-            .or_else(|| estimated.weighting(&mut view.distances(&base)).scale());
+            .or_else(|| estimated.weighting(&mut view.distances(&base), 0.0).scale());
         let scale = scale.unwrap_or(limit);
         let rule = Rule::Fixed(Weighting::Kernel { kernel, scale });
         self.last = Last::Fit(rule);

@@ -193,7 +193,8 @@ impl<const D: usize> Run<'_, D> {
         }
         let mut distances =
             if self.stage.rule.adapts() { self.view.distances(&self.base) } else { Vec::new() };
-        self.weighting = self.stage.rule.weighting(&mut distances);
+        let moving = self.last_motion * self.view.size(self.stage.cloud);
+        self.weighting = self.stage.rule.weighting(&mut distances, moving);
     }
 
     /// One step; breaks with the status and whether a step was made.
