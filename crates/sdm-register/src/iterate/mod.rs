@@ -210,10 +210,11 @@ impl<const D: usize> Run<'_, D> {
         if let Some(status) = self.last_step(&models, history) {
             return ControlFlow::Break(status);
         }
-        if self.damping > 0.0 && self.may_settle(&models) {
-            if let Some(status) = self.settle(models.system.cost, history) {
-                return ControlFlow::Break(status);
-            }
+        if self.damping > 0.0
+            && self.may_settle(&models)
+            && let Some(status) = self.settle(models.system.cost, history)
+        {
+            return ControlFlow::Break(status);
         }
         let evaluations = self.evaluations;
         let newton = self.newton_is_next(&models);
@@ -232,10 +233,10 @@ impl<const D: usize> Run<'_, D> {
             trial = self.search(&models, None);
         }
         let Some(trial) = trial else {
-            if self.may_settle(&models) {
-                if let Some(status) = self.settle(models.system.cost, history) {
-                    return ControlFlow::Break(status);
-                }
+            if self.may_settle(&models)
+                && let Some(status) = self.settle(models.system.cost, history)
+            {
+                return ControlFlow::Break(status);
             }
             // Nothing lowers the cost: at a minimum its slope is rounding only.
             let spectrum = models.newton.as_ref().map_or(&models.linear, |n| &n.1);
