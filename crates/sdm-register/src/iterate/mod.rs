@@ -41,6 +41,8 @@ pub(crate) struct Stage<'a, const D: usize> {
     pub(crate) null_tolerance: f64,
     /// Whether these are so many points that no step is made, nor followed by a search for feet, which the noise makes meaningless.
     pub(crate) is_long: bool,
+    /// Length of the step before the first one, as a share of the size of the cloud.
+    pub(crate) moving: f64,
     pub(crate) tolerance: f64,
     pub(crate) max_iterations: usize,
 }
@@ -193,7 +195,8 @@ impl<const D: usize> Run<'_, D> {
         }
         let mut distances =
             if self.stage.rule.adapts() { self.view.distances(&self.base) } else { Vec::new() };
-        let moving = self.last_motion * self.view.size(self.stage.cloud);
+        let moving = if self.last_motion.is_finite() { self.last_motion } else { self.stage.moving };
+        let moving = moving * self.view.size(self.stage.cloud);
         self.weighting = self.stage.rule.weighting(&mut distances, moving);
     }
 
