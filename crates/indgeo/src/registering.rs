@@ -322,7 +322,9 @@ fn solve(
         let few = |pose: &Pose<3>| register_few(job, field, cloud, pose, progress);
         let score = |pose: &Pose<3>| field.compare(&cloud.positions, pose, job.options.scale).score;
         (result, others) = near_symmetry::best(&near, result, score, few, again)?;
-        (result, equivalent) = verdict::nearest(&group, result, &from, &cloud.positions, again)?;
+        if result.free_motions.is_empty() {
+            (result, equivalent) = verdict::nearest(&group, result, &from, &cloud.positions, again)?;
+        }
     }
     let (result, checks) = verdict::checked(model, field, result, &cloud.positions, sights);
     Ok(Solution { starts, best, start, result, equivalent, others, checks })

@@ -8,6 +8,8 @@ use industrial_geometry::register::{Pose, RegisterReport};
 /// tell the two apart.
 const BETTER: f64 = 0.8;
 const WORSE: f64 = 1.25;
+/// Scores that differ by less do not differ: those of points without noise are nearly 0.
+const SAME: f64 = 1e-5;
 /// Largest score of a position that fits.
 const FITTING: f64 = 0.1;
 /// Most motions that are tried.
@@ -61,15 +63,17 @@ pub(crate) fn best(
         }
     }
     scored.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let is_better = |other: f64| other < BETTER * own - SAME;
     let as_good = |own: f64| {
-        scored.iter().filter(|other| other.0 < WORSE * own && other.0 > BETTER * own && own < FITTING).count()
+        let alike = |other: f64| other <= WORSE * own + SAME && other >= BETTER * own - SAME;
+        scored.iter().filter(|other| alike(other.0) && own < FITTING).count()
     };
-    let Some((_, pose)) = scored.first().filter(|(other, _)| *other < BETTER * own) else {
+    let Some((_, pose)) = scored.first().filter(|(other, _)| is_better(*other)) else {
         return Ok((result, Others { is_taken: false, as_good: as_good(own) }));
     };
     let other = all(pose)?;
     let its = score(&other.pose);
-    if !other.is_converged() || its >= BETTER * own {
+    if !other.is_converged() || !is_better(its) {
         return Ok((result, Others { is_taken: false, as_good: as_good(own) }));
     }
     // What was told of the way there is that of the first result.

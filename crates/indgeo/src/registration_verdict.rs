@@ -126,7 +126,7 @@ pub(crate) fn checked(
     }
 }
 
-/// Whether it makes sense to look for poses that the model does not tell apart.
+/// Whether it makes sense to look for poses that the model does not tell apart, or hardly.
 pub(crate) fn may_be_symmetric(
     model: &RegistrationModel,
     result: &RegisterReport<3>,
@@ -136,7 +136,7 @@ pub(crate) fn may_be_symmetric(
         model,
         RegistrationModel::Surfaces(_) | RegistrationModel::Mesh(_) | RegistrationModel::Cad(_)
     );
-    has_area && result.is_converged() && result.free_motions.is_empty() && !options.locks.any()
+    has_area && result.is_converged() && !options.locks.any()
 }
 
 /// Of the poses that a symmetric model does not tell apart, the one nearest to the start, improved from there, and all of them.

@@ -163,6 +163,7 @@ impl<'a, const D: usize> Plan<'a, D> {
             holds_rejection: false,
             null_tolerance: self.null_tolerance,
             is_long: false,
+            moving: 0.0,
             tolerance: options.tolerance,
             max_iterations: options.max_iterations,
         }
@@ -239,6 +240,7 @@ impl<'a, const D: usize> Plan<'a, D> {
         let rule = Rule::Estimated { kernel, limit, floor: noise_floor(&view, &coarse) };
         let stage = Stage {
             rejection: given.with_boundary(true),
+            moving: self.history.last().map_or(0.0, |step| step.motion),
             method: Method::TANGENT,
             tolerance: COARSE,
             max_iterations: 3 * NARROWING_STEPS,
@@ -288,7 +290,7 @@ impl<'a, const D: usize> Plan<'a, D> {
         // The given one is in the unit of the model.
         let scale = abs_scale
             .map(|scale| scale / view.unit())
-            .or_else(|| estimated.weighting(&mut view.distances(&base)).scale());
+            .or_else(|| estimated.weighting(&mut view.distances(&base), 0.0).scale());
         let scale = scale.unwrap_or(limit);
         let rule = Rule::Fixed(Weighting::Kernel { kernel, scale });
         self.last = Last::Fit(rule);

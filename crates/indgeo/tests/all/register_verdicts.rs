@@ -205,3 +205,75 @@ fn a_model_of_one_point_is_named_at_once() {
     assert!(code == 1 || code == 2, "{code} {said}");
     assert!(began.elapsed().as_secs() < 60);
 }
+
+#[test]
+fn a_plate_that_lies_the_wrong_way_round_is_turned() {
+    let corners = [[0.0, 0.0], [4.0, 0.0], [4.0, 1.2], [3.2, 2.0], [0.0, 2.0]];
+    let mut mesh = "OFF\n10 16 0\n".to_owned();
+    for z in [0.0, 0.3] {
+        for [x, y] in corners {
+            writeln!(mesh, "{x} {y} {z}").unwrap();
+        }
+    }
+    for i in 1..4 {
+        writeln!(mesh, "3 0 {} {}\n3 5 {} {}", i + 1, i, i + 5, i + 6).unwrap();
+    }
+    for i in 0..5 {
+        let next = (i + 1) % 5;
+        writeln!(mesh, "3 {i} {next} {}\n3 {i} {} {}", next + 5, next + 5, i + 5).unwrap();
+    }
+    let bench = Bench::new();
+    bench.put("plate.off", mesh);
+    let on_plate = |low: f64| {
+        (0..6000)
+            .map(move |k| {
+                let (x, y) = (low + (4.0 - low) * unit(3 * k), 2.0 * unit(3 * k + 1));
+                [x, y, if k % 2 == 0 { 0.0 } else { 0.3 }]
+            })
+            .filter(|[x, y, _]| x + y < 5.2)
+            .chain((0..1500).map(move |k| {
+                let y = if k % 2 == 0 { 0.0 } else { 2.0 };
+                [low + (3.2 - low) * unit(5 * k), y, 0.3 * unit(5 * k + 2)]
+            }))
+            .chain((0..300).map(move |k| [low, 2.0 * unit(7 * k), 0.3 * unit(7 * k + 3)]))
+    };
+    let turned = |[x, y, z]: [f64; 3]| [4.02 - x, 1.99 - y, z + 0.01];
+    bench.put("scan.xyz", lines(on_plate(0.0).map(turned)));
+    let (code, results, text) = registered(&bench, "plate.off scan.xyz");
+    assert_eq!(code, 0, "{text}");
+    assert!((results["matrix"][0][0].as_f64().unwrap() + 1.0).abs() < 1e-6, "{text}");
+    assert!(text.contains("the model nearly has a symmetry"), "{text}");
+    // Of the half without the corner nothing tells which way round it is.
+    let half = on_plate(0.0).filter(|[x, _, _]| *x < 2.0);
+    bench.put("half.xyz", lines(half));
+    let (code, _, text) = registered(&bench, "plate.off half.xyz");
+    assert_eq!(code, 0, "{text}");
+    assert!(text.contains("the points fit") && text.contains("as well"), "{text}");
+}
+
+#[test]
+fn the_places_of_scanners_tell_what_they_saw_through() {
+    let bench = Bench::new();
+    let height = |x: f64, y: f64| 0.2 * (3.0 * x).sin() * (2.2 * y).cos() + 0.1 * x * y;
+    let scan = |scanner: [f64; 3], stated: [f64; 3], side: f64| {
+        let mut ptx = "2500\n1\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n".to_owned();
+        writeln!(ptx, "{} {} {} 1", stated[0], stated[1], stated[2]).unwrap();
+        for k in 0..2500_u32 {
+            let (x, y) = (side * (f64::from(k % 50) / 24.5 - 1.0), side * (f64::from(k / 50) / 24.5 - 1.0));
+            let [u, v, w] = scanner;
+            writeln!(ptx, "{} {} {} 0.5", x - u, y - v, height(x, y) - w).unwrap();
+        }
+        ptx
+    };
+    bench.put("model.ptx", scan([0.0, 0.0, 3.0], [0.0, 0.0, 3.0], 1.0));
+    // The second pose is a little off.
+    bench.put("points.ptx", scan([0.3, 0.2, 3.0], [0.32, 0.19, 3.01], 0.8));
+    let (code, results, text) = registered(&bench, "model.ptx points.ptx");
+    assert_eq!(code, 0, "{text}");
+    let seen = results["free_space"].as_array().unwrap();
+    let scans: Vec<_> = seen.iter().map(|one| one["scan"].as_str().unwrap()).collect();
+    assert_eq!(scans, ["model", "points"], "{text}");
+    for one in seen {
+        assert!(one["tested"].as_u64().unwrap() > 1000 && one["floating"] == 0, "{one}");
+    }
+}

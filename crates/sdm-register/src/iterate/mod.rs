@@ -41,6 +41,8 @@ pub(crate) struct Stage<'a, const D: usize> {
     pub(crate) null_tolerance: f64,
     /// Whether these are so many points that no step is made, nor followed by a search for feet, which the noise makes meaningless.
     pub(crate) is_long: bool,
+    /// Length of the step before the first one, as a share of the size of the cloud.
+    pub(crate) moving: f64,
     pub(crate) tolerance: f64,
     pub(crate) max_iterations: usize,
 }
@@ -193,7 +195,9 @@ impl<const D: usize> Run<'_, D> {
         }
         let mut distances =
             if self.stage.rule.adapts() { self.view.distances(&self.base) } else { Vec::new() };
-        self.weighting = self.stage.rule.weighting(&mut distances);
+        let moving = if self.last_motion.is_finite() { self.last_motion } else { self.stage.moving };
+        let moving = moving * self.view.size(self.stage.cloud);
+        self.weighting = self.stage.rule.weighting(&mut distances, moving);
     }
 
     /// One step; breaks with the status and whether a step was made.
@@ -209,10 +213,11 @@ impl<const D: usize> Run<'_, D> {
         if let Some(status) = self.last_step(&models, history) {
             return ControlFlow::Break(status);
         }
-        if self.damping > 0.0 && self.may_settle(&models) {
-            if let Some(status) = self.settle(models.system.cost, history) {
-                return ControlFlow::Break(status);
-            }
+        if self.damping > 0.0
+            && self.may_settle(&models)
+            && let Some(status) = self.settle(models.system.cost, history)
+        {
+            return ControlFlow::Break(status);
         }
         let evaluations = self.evaluations;
         let newton = self.newton_is_next(&models);
@@ -231,10 +236,10 @@ impl<const D: usize> Run<'_, D> {
             trial = self.search(&models, None);
         }
         let Some(trial) = trial else {
-            if self.may_settle(&models) {
-                if let Some(status) = self.settle(models.system.cost, history) {
-                    return ControlFlow::Break(status);
-                }
+            if self.may_settle(&models)
+                && let Some(status) = self.settle(models.system.cost, history)
+            {
+                return ControlFlow::Break(status);
             }
             // Nothing lowers the cost: at a minimum its slope is rounding only.
             let spectrum = models.newton.as_ref().map_or(&models.linear, |n| &n.1);

@@ -55,6 +55,7 @@ impl<const D: usize> Run<'_, D> {
                 return None;
             }
             self.view = trial.view;
+            self.last_motion = trial.motion;
             let (rms, points) = self.view.rms(&self.base, &self.weighting);
             let angle = models.freedom.velocity(&trial.step).angle();
             let record =

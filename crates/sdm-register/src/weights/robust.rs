@@ -28,6 +28,9 @@ pub enum Outliers {
     },
 }
 
+/// How far a point may be off, in lengths of the last step, before it counts as an outlier.
+const STILL: f64 = 3.0;
+
 /// The rule for the weights of one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Weighting {
@@ -94,13 +97,18 @@ pub(crate) enum Rule {
 }
 
 impl Rule {
-    /// The weights for the distances (not negative) of a step. Reorders them.
-    pub(crate) fn weighting(&self, distances: &mut [f64]) -> Weighting {
+    /// The weights for the distances (not negative) of a step, after a step by the length `moving`. Reorders them.
+    ///
+    /// While the cloud moves, points are off by as much, and others that fit already say nothing about their noise.
+    pub(crate) fn weighting(&self, distances: &mut [f64], moving: f64) -> Weighting {
         match *self {
             Self::Fixed(weighting) => weighting,
             Self::Estimated { kernel, limit, floor } => {
                 let sigma = Spread::of(distances, Kernel::Tukey.tuning()).sigma;
-                Weighting::Kernel { kernel, scale: (kernel.tuning() * sigma).min(limit).max(floor) }
+                Weighting::Kernel {
+                    kernel,
+                    scale: (kernel.tuning() * sigma).max(STILL * moving).min(limit).max(floor),
+                }
             }
             Self::Trimmed { overlap } => Weighting::Cut { limit: quantile_in_place(distances, overlap) },
         }
