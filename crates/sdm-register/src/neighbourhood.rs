@@ -130,7 +130,7 @@ mod tests {
             let planes = planes(&points);
             let of = |value: fn(&Plane<3>) -> f64| median(planes.iter().map(value).collect()).unwrap();
             let (plane, quadric) = (of(|plane| plane.deviation), of(|plane| plane.roughness));
-            assert!((quadric - noise).abs() <= 0.1 * noise + 1e-5, "{noise}: {quadric}");
+            assert!((quadric - noise).abs() <= 0.25 * noise + 2e-4, "{noise}: {quadric}");
             assert!(plane > quadric, "{plane} {quadric}");
         }
     }
