@@ -166,13 +166,16 @@ fn finish(
     })?;
     drop(progress);
     report.points_per_second = (timings.compute > 0.0).then(|| feet.len() as f64 / timings.compute);
-    report.timings = timings;
     let mut sum = ResultsSum::of(&prepared.target);
-    sum.add(&points, &feet);
+    Timings::measure(&mut timings.compute, || sum.add(&points, &feet));
+    report.timings = timings;
     let projected = Projected { points, feet, layout: prepared.layout };
     write(job.out, format, &projected, report)?;
     let columns = columns(&projected);
-    conclude(job, sum.finish(job, &projected.points.report, columns, &prepared.shapes), report);
+    let results = Timings::measure(&mut report.timings.compute, || {
+        sum.finish(job, &projected.points.report, columns, &prepared.shapes)
+    });
+    conclude(job, results, report);
     Ok(projected)
 }
 

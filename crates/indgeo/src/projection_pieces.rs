@@ -82,7 +82,7 @@ pub(crate) fn run(
             let feet = Timings::measure(&mut compute, || {
                 prepared.target.project(&points, job.points, &job.options, job.max_angle, &tell)
             })?;
-            sum.add(&points, &feet);
+            Timings::measure(&mut compute, || sum.add(&points, &feet));
             let table = Table {
                 layout: &prepared.layout,
                 points: &points.positions,

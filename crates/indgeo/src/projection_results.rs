@@ -31,6 +31,47 @@ pub(crate) struct ResultsSum {
     cad: Option<CadCounts>,
 }
 
+/// How often each of a few names occurs.
+#[derive(Default)]
+struct Tally(Vec<(&'static str, usize)>);
+
+impl Tally {
+    fn count(&mut self, name: &'static str) {
+        match self.0.iter_mut().find(|(other, _)| *other == name) {
+            Some((_, count)) => *count += 1,
+            None => self.0.push((name, 1)),
+        }
+    }
+}
+
+/// The feet on each shape.
+#[derive(Default)]
+struct Parts {
+    list: Vec<Part>,
+    places: BTreeMap<u32, usize>,
+    /// Place of the last one: neighbours mostly have their feet on one shape.
+    last: usize,
+}
+
+struct Part {
+    shape: u32,
+    on_boundary: usize,
+    distances: Vec<f64>,
+}
+
+impl Parts {
+    fn of(&mut self, shape: u32) -> &mut Part {
+        if self.list.get(self.last).is_none_or(|part| part.shape != shape) {
+            let next = self.list.len();
+            self.last = *self.places.entry(shape).or_insert(next);
+            if self.last == next {
+                self.list.push(Part { shape, on_boundary: 0, distances: Vec::new() });
+            }
+        }
+        &mut self.list[self.last]
+    }
+}
+
 /// What is counted of points beside a CAD model.
 #[derive(Debug)]
 struct CadCounts {
@@ -54,33 +95,40 @@ impl ResultsSum {
 
     /// Adds the next points with their feet.
     pub(crate) fn add(&mut self, points: &Points, feet: &[Foot]) {
-        let mut distances: BTreeMap<u32, Vec<f64>> = BTreeMap::new();
+        let (mut status, mut location, mut multiplicity) =
+            (Tally::default(), Tally::default(), Tally::default());
+        let mut parts = Parts::default();
         for (place, foot) in feet.iter().enumerate() {
-            *self.status.entry(foot.status.name()).or_default() += 1;
+            status.count(foot.status.name());
             if !foot.exists() {
                 continue;
             }
-            *self.location.entry(foot.location).or_default() += 1;
-            *self.multiplicity.entry(multiplicity_name(foot.multiplicity).to_owned()).or_default() += 1;
+            location.count(foot.location);
+            multiplicity.count(multiplicity_name(foot.multiplicity));
             self.largest_gap = Some(self.largest_gap.map_or(foot.gap(), |gap| gap.max(foot.gap())));
             if let Some(cad) = &mut self.cad {
                 cad.wide_gaps += usize::from(foot.gap() > cad.wide);
                 cad.undecided_sides += usize::from(foot.side == "undecided");
             }
-            let (on_boundary, _) =
-                self.shapes.entry(foot.shape).or_insert_with(|| (0, Moments::new(EXACT_LIMIT)));
-            *on_boundary += usize::from(foot.status == Status::OnBoundary);
-            distances.entry(foot.shape).or_default().push(foot.distance);
+            let part = parts.of(foot.shape);
+            part.on_boundary += usize::from(foot.status == Status::OnBoundary);
+            part.distances.push(foot.distance);
             if self.worst.as_ref().is_none_or(|worst| foot.distance.abs() > worst.distance.abs()) {
                 let point = points.positions[place].into();
                 let name = points.name(place).map(str::to_owned);
                 self.worst = Some(Worst { index: self.points + place, point, distance: foot.distance, name });
             }
         }
-        for (shape, distances) in distances {
-            if let Some((_, sums)) = self.shapes.get_mut(&shape) {
-                sums.extend(distances);
-            }
+        status.0.iter().for_each(|&(name, count)| *self.status.entry(name).or_default() += count);
+        location.0.iter().for_each(|&(name, count)| *self.location.entry(name).or_default() += count);
+        for (name, count) in multiplicity.0 {
+            *self.multiplicity.entry(name.to_owned()).or_default() += count;
+        }
+        for part in parts.list {
+            let (on_boundary, sums) =
+                self.shapes.entry(part.shape).or_insert_with(|| (0, Moments::new(EXACT_LIMIT)));
+            *on_boundary += part.on_boundary;
+            sums.extend(part.distances);
         }
         if self.shapes.values().map(|(_, sums)| sums.count()).sum::<u64>() > EXACT_LIMIT as u64 {
             self.shapes.values_mut().for_each(|(_, sums)| sums.count_in_cells());
@@ -101,17 +149,22 @@ impl ResultsSum {
         columns: Vec<&'static str>,
         shapes: &[(&'static str, Option<String>)],
     ) -> ProjectionResults {
-        let mut all = Moments::new(EXACT_LIMIT);
-        for (_, sums) in self.shapes.values() {
-            // The limits are the same.
-            let _ = all.merge(sums);
-        }
-        let distance = all.statistics();
-        let per_shape = self.shapes.iter().filter_map(|(&index, (on_boundary, sums))| {
-            let (kind, name) = shapes.get(index as usize)?.clone();
-            let distance = sums.statistics()?;
-            Some(ShapeResults { index, kind, name, on_boundary: *on_boundary, distance })
-        });
+        let of_shapes: Vec<_> = self.shapes.values().map(|(_, sums)| sums.statistics()).collect();
+        let distance = if let [only] = &of_shapes[..] {
+            only.clone()
+        } else {
+            let mut all = Moments::new(EXACT_LIMIT);
+            for (_, sums) in self.shapes.values() {
+                // The limits are the same.
+                let _ = all.merge(sums);
+            }
+            all.statistics()
+        };
+        let per_shape =
+            self.shapes.iter().zip(of_shapes).filter_map(|((&index, (on_boundary, _)), distance)| {
+                let (kind, name) = shapes.get(index as usize)?.clone();
+                Some(ShapeResults { index, kind, name, on_boundary: *on_boundary, distance: distance? })
+            });
         let dropped = self.status.get(Status::InvalidPoint.name()).copied().unwrap_or(0);
         ProjectionResults {
             points: self.points,

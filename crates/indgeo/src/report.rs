@@ -276,7 +276,7 @@ pub(crate) struct Timings {
     pub(crate) read: f64,
     /// Preparing the model.
     pub(crate) build: f64,
-    /// Projecting.
+    /// Computing, sums and statistics included.
     pub(crate) compute: f64,
     /// Formatting and writing files.
     pub(crate) write: f64,
