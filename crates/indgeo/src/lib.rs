@@ -79,6 +79,7 @@ mod selftest;
 mod session;
 mod staging;
 mod summary;
+mod surface_conclusion;
 mod surface_judgement;
 mod surface_start;
 mod target;

@@ -13,9 +13,9 @@ const ALIKE: f64 = 0.5;
 /// Standard deviations of the distances beyond which a point is not met, if it is farther than others are apart, too.
 const WILD: f64 = 6.0;
 
-/// Number and share of the points from which on those that were left out and lie together are a part of the data that is missed, and share of all
-/// points that may be left out.
-const TOGETHER: (usize, f64) = (8, 0.02);
+/// Number and share of the points from which on those that were left out and lie together are a part of the data that is missed, if one of them is far
+/// from the surface, and share of all points that may be left out.
+const TOGETHER: (usize, f64) = (8, 0.005);
 const LEFT_OUT: f64 = 0.3;
 
 /// What is wrong with the distances of the points.
@@ -88,31 +88,32 @@ impl Judgement {
 
 /// Number of points far from the surface that were left out and lie together, or that are too many to be outliers.
 fn missed(points: &[Vector3<f64>], found: &SurfaceDistances, far: f64, reach: f64) -> usize {
-    let left: Vec<Point3<f64>> = (0..points.len())
-        .filter(|&i| found.weights[i] == 0.0 && found.distances[i] > far)
-        .map(|i| Point3::from(points[i]))
-        .collect();
+    let numbers: Vec<usize> =
+        (0..points.len()).filter(|&i| found.weights[i] == 0.0 && found.distances[i].is_finite()).collect();
+    let left: Vec<Point3<f64>> = numbers.iter().map(|&i| Point3::from(points[i])).collect();
     let total = found.finite();
-    if left.len() as f64 > LEFT_OUT * total as f64 {
-        return left.len();
+    let all = numbers.iter().filter(|&&i| found.distances[i] > far).count();
+    if all as f64 > LEFT_OUT * total as f64 {
+        return all;
     }
     let Ok(index) = CloudIndex::new(&left) else { return 0 };
     let fewest = (TOGETHER.0 as f64).max(TOGETHER.1 * total as f64);
     let mut seen = vec![false; left.len()];
     let mut sum = 0;
     for first in 0..left.len() {
-        let (mut group, mut open) = (0, vec![first]);
+        let (mut group, mut open, mut is_far) = (0, vec![first], false);
         while let Some(i) = open.pop() {
             if std::mem::replace(&mut seen[i], true) {
                 continue;
             }
             group += 1;
+            is_far |= found.distances[numbers[i]] > far;
             // Neighbours on a surface are less than a spacing apart, a third of what is without data.
             open.extend(
                 index.within(&left[i], 0.5 * reach).into_iter().map(|n| n.index).filter(|&j| !seen[j]),
             );
         }
-        if group as f64 >= fewest {
+        if is_far && group as f64 >= fewest {
             sum += group;
         }
     }

@@ -1,17 +1,17 @@
 //! Surfaces from clouds of which nothing is known: base surface, parameters, least squares, squared distances.
 
 use crate::report::Report;
+use crate::surface_conclusion::{concluded, diagonal, in_crowds, with_scale};
 use crate::surface_judgement::Judgement;
 use crate::wording::counted;
 use industrial_geometry::cloud_param::{
-    Error as ParameterError, FinishOutcome, FitOptions, Parameterisation, ParameteriseOptions,
-    ParameteriseReport, Shape, consistent, crowded, finish_fit_with_progress, finish_options, fit_parameters,
-    parameterise,
+    Error as ParameterError, FinishOutcome, FinishReport, FitOptions, Parameterisation, ParameteriseOptions,
+    ParameteriseReport, Shape, SurfaceFit, consistent, finish_fit_with_progress, finish_options,
+    fit_parameters, parameterise,
 };
 use industrial_geometry::fit::{
-    BaseShape, Error, Folds, Progress, Robust, Smoothing, Status, SurfaceCoverage, SurfaceDistances,
-    SurfaceOptions, SurfaceReport, cut_to_feet, fit_cloud_with_progress, fit_surface_with_progress,
-    measurable, surface_frames,
+    BaseShape, Error, Folds, Progress, Robust, Smoothing, Status, SurfaceDistances, SurfaceOptions,
+    SurfaceReport, fit_cloud_with_progress, fit_surface_with_progress,
 };
 use industrial_geometry::nurbs::BsplineSurface;
 use industrial_geometry::nurbs::nalgebra::Vector3;
@@ -21,9 +21,9 @@ use std::path::Path;
 /// How much residuals of neighbours differ, 1 where they have nothing to do with each other, from which on more control points have nothing
 /// to follow.
 const NOISE: f64 = 0.8;
-/// Root mean square distance, as a share of the diagonal, that needs no more control points; share of it that more of them must leave at
+/// Root mean square distance, as a share of the diagonal, that needs no more control points: points of a file without noise leave it; share of it that more of them must leave at
 /// most; most control points that are chosen, and fewest points for each.
-const SMALL: f64 = 1e-4;
+pub(crate) const SMALL: f64 = 1e-4;
 const LESS: f64 = 0.85;
 const MOST_CHOSEN: usize = 4000;
 const PER_CONTROL: usize = 4;
@@ -32,12 +32,11 @@ const EXACT: f64 = 0.05;
 /// Control points up to which the data are asked for the smoothing, and those of which it is taken for more.
 const ASKED: usize = 2500;
 const FEWER: usize = 1600;
-/// Largest distance of a point, in spacings, from a surface that is right.
-const VERIFIED: f64 = 0.25;
 /// First factor of an energy that vanishes, from a surface that is near, and its factor in each iteration.
 const VANISHING: [f64; 2] = [1e-6, 0.1];
-/// How often outliers are told anew by the surface without them.
+/// How often outliers are told anew by the surface without them, and by what factor what it does not resolve is less when that is worth it.
 const ROUNDS: usize = 3;
+const RESOLVED: f64 = 0.5;
 
 /// A fitted surface, how it went, and where it began.
 pub(crate) type Found = (BsplineSurface, SurfaceReport, Start);
@@ -160,13 +159,6 @@ pub(crate) fn from_cloud(
     concluded(points, surface, report, start, options)
 }
 
-/// The points with others beside them; those by themselves have no place.
-fn in_crowds(points: &[Vector3<f64>]) -> Result<Vec<Vector3<f64>>, ParameterError> {
-    let crowded = crowded(points, &measurable(points)?)?;
-    let nowhere = Vector3::repeat(f64::NAN);
-    Ok(points.iter().zip(crowded).map(|(p, crowded)| if crowded { *p } else { nowhere }).collect())
-}
-
 fn begun(
     points: &[Vector3<f64>],
     options: &SurfaceOptions,
@@ -262,16 +254,6 @@ fn over_base_surface(
     }
 }
 
-/// Diagonal of the box around the points that can belong to one shape.
-fn diagonal(points: &[Vector3<f64>]) -> f64 {
-    let belongs = measurable(points).unwrap_or_else(|_| vec![false; points.len()]);
-    let kept = points.iter().zip(belongs).filter(|(_, b)| *b).map(|(p, _)| *p);
-    let bounds = kept.fold(None, |bounds: Option<[Vector3<f64>; 2]>, p| {
-        Some(bounds.map_or([p, p], |[low, high]| [low.inf(&p), high.sup(&p)]))
-    });
-    bounds.map_or(0.0, |[low, high]| (high - low).norm())
-}
-
 /// The surface of a size with the parameters of a base surface.
 fn fitted_over(
     points: &[Vector3<f64>],
@@ -331,7 +313,7 @@ fn fitted_over(
             .with_unfoldings(like_finish.unfoldings)
             .with_exact(like_finish.exact)
             .with_fit(near.fit.with_damping(like_finish.fit.damping));
-        let (done, finish) = finish_fit_with_progress(points, &counts, least_squares, &near, progress)?;
+        let (done, finish) = finished(points, (&found.counts, &mut counts), least_squares, &near, progress)?;
         start.outcome = Some(finish.outcome);
         let mut report = finish.minimisation;
         let mut done = done;
@@ -398,57 +380,44 @@ fn smoothing_of_fewer(
     Ok(Some(report.fit.lambda * (unknowns as f64 / fewer).powi(2)))
 }
 
-/// What the report says about the surface that is left, and all finite points, whether they were used or not.
-fn concluded(
+/// The surface finished, and once more where it resolves by then what it did not before, and tells more outliers apart.
+fn finished(
     points: &[Vector3<f64>],
-    mut surface: BsplineSurface,
-    mut report: SurfaceReport,
-    mut start: Start,
+    (all, counts): (&[bool], &mut Vec<bool>),
+    least_squares: SurfaceFit,
     options: &SurfaceOptions,
-) -> Result<Found, Refusal> {
-    let belongs = measurable(points)?;
-    let kept: Vec<Vector3<f64>> = points.iter().zip(&belongs).filter(|(_, b)| **b).map(|(p, _)| *p).collect();
-    // Open ends stop where the points do that are no outliers.
-    let found = SurfaceDistances::of(&surface, points, options.fit.robust)?;
-    // Of points without noise, nearly all are beyond the scale of a kernel.
-    let least = SMALL * diagonal(points);
-    let counting: Vec<Vector3<f64>> = (0..points.len())
-        .filter(|&i| found.weights[i] > 0.0 || found.distances[i] <= least)
-        .map(|i| points[i])
-        .collect();
-    let frames = surface_frames(&surface, &counting)?;
-    if let Some(cut) = cut_to_feet(&surface, &frames)? {
-        surface = cut;
-        report.controls = [surface.knots_u().distinct_count(), surface.knots_v().distinct_count()];
-        report.folds = Folds::of(&surface);
+    progress: Progress<'_>,
+) -> Result<(SurfaceFit, FinishReport), ParameterError> {
+    let scaled =
+        |fit: &SurfaceFit, counts: &[bool]| -> Result<(Option<f64>, SurfaceOptions), ParameterError> {
+            let sigma = match options.fit.robust {
+                Robust::None => None,
+                _ => fit.unresolved_scale(points, counts)?,
+            };
+            Ok((sigma, options.with_fit(options.fit.with_robust(with_scale(options.fit.robust, sigma)))))
+        };
+    let (mut sigma, first) = scaled(&least_squares, counts)?;
+    let (mut done, mut report) = finish_fit_with_progress(points, counts, least_squares, &first, progress)?;
+    for _ in 1..ROUNDS {
+        let cancelled = report.outcome == FinishOutcome::Cancelled;
+        let Some(before) = sigma.filter(|_| report.outcome.is_new() && !cancelled) else { break };
+        let again = done.consistent(points, all)?;
+        let (now, next) = scaled(&done, &again)?;
+        if now.is_some_and(|now| now > RESOLVED * before) && again == *counts {
+            break;
+        }
+        *counts = again;
+        let (better, then) = finish_fit_with_progress(points, counts, done, &next, progress)?;
+        let mut history = std::mem::take(&mut report.minimisation.fit.history);
+        done = better;
+        let outcome = if then.outcome.is_new() { then.outcome } else { report.outcome };
+        history.extend_from_slice(&then.minimisation.fit.history);
+        (1..).zip(&mut history).for_each(|(number, step)| step.iteration = number);
+        // Each of the two may be the one that is left: its distance is the last of these.
+        let last = if then.outcome.is_new() { then.rms[1] } else { then.rms[0] };
+        report = FinishReport { outcome, rms: [report.rms[0], last], ..then };
+        report.minimisation.fit.history = history;
+        sigma = now;
     }
-    report.dropped = points.iter().filter(|p| !p.iter().all(|c| c.is_finite())).count();
-    let found = SurfaceDistances::of(&surface, points, options.fit.robust)?;
-    let finite_before =
-        |index: usize| points[..index].iter().filter(|p| p.iter().all(|c| c.is_finite())).count();
-    report.fit.rms = found.rms;
-    report.fit.max = found.max;
-    report.fit.max_index = finite_before(found.max_index);
-    report.fit.samples = found.finite();
-    report.fit.used = found.used;
-    let noise = SurfaceCoverage::noise_of(&found.distances);
-    // What belongs to nothing does not say how far the data go.
-    let outliers = options.fit.robust != Robust::None;
-    let near = if outliers { &counting } else { &kept };
-    let (coverage, trim) =
-        SurfaceCoverage::up_to_data(&surface, near, noise, options.abs_tolerance, outliers)?;
-    report.trim = trim;
-    if let Some(tolerance) = options.abs_tolerance {
-        let share = found.share_within(tolerance);
-        report.share_within = Some(share);
-        report.within_tolerance = share >= options.share;
-    }
-    let judgement = Judgement::of(points, &found, &coverage, options.abs_tolerance, options.fit.robust);
-    (start.far, start.far_max, start.unresolved) = (judgement.far, judgement.far_max, judgement.unresolved);
-    start.missed = judgement.missed;
-    // What is near all points, with all of its parts, is right, whatever it began with.
-    let is_near = coverage.is_complete() && report.fit.max <= VERIFIED * coverage.spacing;
-    start.doubtful &= !(is_near && report.folds.count() == 0);
-    report.coverage = Some(coverage);
-    Ok((surface, report, start))
+    Ok((done, report))
 }

@@ -1,0 +1,128 @@
+//! What the report of a fitted surface says about all points, which of them are outliers, and where the data end.
+
+use crate::surface_judgement::Judgement;
+use crate::surface_start::{Found, Refusal, SMALL, Start};
+use industrial_geometry::cloud_param::{Error as ParameterError, consistent, crowded, unresolved_scale};
+use industrial_geometry::fit::{
+    Folds, Robust, SurfaceCoverage, SurfaceDistances, SurfaceOptions, SurfaceReport, cut_to_feet, measurable,
+    surface_frames,
+};
+use industrial_geometry::footpoint::SurfaceProjector;
+use industrial_geometry::nurbs::BsplineSurface;
+use industrial_geometry::nurbs::nalgebra::Vector3;
+
+/// Largest distance of a point, in spacings, from a surface that is right.
+const VERIFIED: f64 = 0.25;
+
+/// The points with others beside them; those by themselves have no place.
+pub(crate) fn in_crowds(points: &[Vector3<f64>]) -> Result<Vec<Vector3<f64>>, ParameterError> {
+    let crowded = crowded(points, &measurable(points)?)?;
+    let nowhere = Vector3::repeat(f64::NAN);
+    Ok(points.iter().zip(crowded).map(|(p, crowded)| if crowded { *p } else { nowhere }).collect())
+}
+
+/// Diagonal of the box around the points that can belong to one shape.
+pub(crate) fn diagonal(points: &[Vector3<f64>]) -> f64 {
+    let belongs = measurable(points).unwrap_or_else(|_| vec![false; points.len()]);
+    let kept = points.iter().zip(belongs).filter(|(_, b)| *b).map(|(p, _)| *p);
+    let bounds = kept.fold(None, |bounds: Option<[Vector3<f64>; 2]>, p| {
+        Some(bounds.map_or([p, p], |[low, high]| [low.inf(&p), high.sup(&p)]))
+    });
+    bounds.map_or(0.0, |[low, high]| (high - low).norm())
+}
+
+/// A kernel without a scale of its own with one that leaves regions their weight where the surface does not resolve the points.
+pub(crate) fn with_scale(robust: Robust, sigma: Option<f64>) -> Robust {
+    match (robust, sigma) {
+        (Robust::Kernel { kernel, abs_scale: None }, Some(sigma)) => {
+            Robust::Kernel { kernel, abs_scale: Some(kernel.tuning() * sigma) }
+        }
+        _ => robust,
+    }
+}
+
+/// The same by the distances of points from a surface.
+fn resolved(
+    points: &[Vector3<f64>],
+    belongs: &[bool],
+    surface: &BsplineSurface,
+    robust: Robust,
+) -> Result<Robust, ParameterError> {
+    if robust == Robust::None {
+        return Ok(robust);
+    }
+    let feet = SurfaceProjector::new(surface).project_all(points);
+    let agree = consistent(points, &feet, belongs)?;
+    Ok(with_scale(robust, unresolved_scale(points, &feet, &agree)?))
+}
+
+/// The points that say where the data end: those that are no outliers.
+fn counting(
+    points: &[Vector3<f64>],
+    belongs: &[bool],
+    surface: &BsplineSurface,
+    found: &SurfaceDistances,
+    robust: Robust,
+) -> Result<Vec<Vector3<f64>>, ParameterError> {
+    // Of points without noise, nearly all are beyond the scale of a kernel.
+    let least = SMALL * diagonal(points);
+    let mut counts: Vec<bool> =
+        (0..points.len()).map(|i| found.weights[i] > 0.0 || found.distances[i] <= least).collect();
+    if robust != Robust::None {
+        counts.iter_mut().zip(belongs).for_each(|(counts, belongs)| *counts &= belongs);
+        let feet = SurfaceProjector::new(surface).project_all(points);
+        counts = consistent(points, &feet, &counts)?;
+    }
+    Ok(points.iter().zip(counts).filter(|(_, counts)| *counts).map(|(p, _)| *p).collect())
+}
+
+/// What the report says about the surface that is left, and all finite points, whether they were used or not.
+pub(crate) fn concluded(
+    points: &[Vector3<f64>],
+    mut surface: BsplineSurface,
+    mut report: SurfaceReport,
+    mut start: Start,
+    options: &SurfaceOptions,
+) -> Result<Found, Refusal> {
+    let belongs = measurable(points)?;
+    let kept: Vec<Vector3<f64>> = points.iter().zip(&belongs).filter(|(_, b)| **b).map(|(p, _)| *p).collect();
+    // Open ends stop where the points do that are no outliers.
+    let robust = resolved(points, &belongs, &surface, options.fit.robust).map_err(Refusal::Points)?;
+    let found = SurfaceDistances::of(&surface, points, robust)?;
+    let counting = counting(points, &belongs, &surface, &found, robust).map_err(Refusal::Points)?;
+    let frames = surface_frames(&surface, &counting)?;
+    if let Some(cut) = cut_to_feet(&surface, &frames)? {
+        surface = cut;
+        report.controls = [surface.knots_u().distinct_count(), surface.knots_v().distinct_count()];
+        report.folds = Folds::of(&surface);
+    }
+    report.dropped = points.iter().filter(|p| !p.iter().all(|c| c.is_finite())).count();
+    let found = SurfaceDistances::of(&surface, points, robust)?;
+    let finite_before =
+        |index: usize| points[..index].iter().filter(|p| p.iter().all(|c| c.is_finite())).count();
+    report.fit.rms = found.rms;
+    report.fit.max = found.max;
+    report.fit.max_index = finite_before(found.max_index);
+    report.fit.samples = found.finite();
+    report.fit.used = found.used;
+    let noise = SurfaceCoverage::noise_of(&found.distances);
+    // What belongs to nothing does not say how far the data go.
+    let outliers = robust != Robust::None;
+    let near = if outliers { &counting } else { &kept };
+    let (coverage, trim) =
+        SurfaceCoverage::up_to_data(&surface, near, noise, options.abs_tolerance, outliers)?;
+    report.trim = trim;
+    if let Some(tolerance) = options.abs_tolerance {
+        let share = found.share_within(tolerance);
+        report.share_within = Some(share);
+        report.within_tolerance = share >= options.share;
+    }
+    let judgement = Judgement::of(points, &found, &coverage, options.abs_tolerance, robust);
+    (start.far, start.far_max, start.unresolved) = (judgement.far, judgement.far_max, judgement.unresolved);
+    start.missed = judgement.missed;
+    // What is near all points, with all of its parts, is right, whatever it began with.
+    let is_near = coverage.is_complete() && report.fit.max <= VERIFIED * coverage.spacing;
+    start.doubtful &= !(is_near && report.folds.count() == 0);
+    report.coverage = Some(coverage);
+    Ok((surface, report, start))
+}
