@@ -50,7 +50,7 @@ pub use directed::{DirectedFoot, DirectedOptions, DirectedWeight, project_direct
 pub use error::Error;
 pub use fit::{
     FinishOutcome, FinishReport, FitOptions, SurfaceFit, consistent, crowded, finish_fit,
-    finish_fit_with_progress, finish_options, fit_parameters, unresolved_scale,
+    finish_fit_with_progress, finish_options, fit_parameters, resolved_scale,
 };
 pub use frame::AxisFrame;
 pub use hull::ConvexHull;

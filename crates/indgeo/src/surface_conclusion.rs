@@ -2,7 +2,7 @@
 
 use crate::surface_judgement::Judgement;
 use crate::surface_start::{Found, Refusal, SMALL, Start};
-use industrial_geometry::cloud_param::{Error as ParameterError, consistent, crowded, unresolved_scale};
+use industrial_geometry::cloud_param::{Error as ParameterError, consistent, crowded, resolved_scale};
 use industrial_geometry::fit::{
     Folds, Robust, SurfaceCoverage, SurfaceDistances, SurfaceOptions, SurfaceReport, cut_to_feet, measurable,
     surface_frames,
@@ -52,8 +52,9 @@ fn resolved(
         return Ok(robust);
     }
     let feet = SurfaceProjector::new(surface).project_all(points);
-    let agree = consistent(points, &feet, belongs)?;
-    Ok(with_scale(robust, unresolved_scale(points, &feet, &agree)?))
+    let agree = consistent(points, &feet, belongs, 0.0)?;
+    let (sigma, unresolved) = resolved_scale(points, &feet, &agree)?;
+    Ok(with_scale(robust, unresolved.then_some(sigma)))
 }
 
 /// The points that say where the data end: those that are no outliers.
@@ -71,7 +72,7 @@ fn counting(
     if robust != Robust::None {
         counts.iter_mut().zip(belongs).for_each(|(counts, belongs)| *counts &= belongs);
         let feet = SurfaceProjector::new(surface).project_all(points);
-        counts = consistent(points, &feet, &counts)?;
+        counts = consistent(points, &feet, &counts, 0.0)?;
     }
     Ok(points.iter().zip(counts).filter(|(_, counts)| *counts).map(|(p, _)| *p).collect())
 }
@@ -109,9 +110,13 @@ pub(crate) fn concluded(
     // What belongs to nothing does not say how far the data go.
     let outliers = robust != Robust::None;
     let near = if outliers { &counting } else { &kept };
-    let (coverage, trim) =
-        SurfaceCoverage::up_to_data(&surface, near, noise, options.abs_tolerance, outliers)?;
-    report.trim = trim;
+    let piece = SurfaceCoverage::up_to_data(&surface, near, noise, options.abs_tolerance, outliers)?;
+    let coverage = piece.coverage;
+    report.trim = piece.trim;
+    if let Some(opened) = piece.opened {
+        surface = opened;
+        report.controls = [surface.knots_u().distinct_count(), surface.knots_v().distinct_count()];
+    }
     if let Some(tolerance) = options.abs_tolerance {
         let share = found.share_within(tolerance);
         report.share_within = Some(share);

@@ -34,8 +34,14 @@ const ASKED: usize = 2500;
 const FEWER: usize = 1600;
 /// First factor of an energy that vanishes, from a surface that is near, and its factor in each iteration.
 const VANISHING: [f64; 2] = [1e-6, 0.1];
-/// How often outliers are told anew by the surface without them, and by what factor what it does not resolve is less when that is worth it.
+/// Distance from a base surface, and from another one, in spacings, by which an outlier does not draw it far to itself.
+const ROUGH: f64 = 1.0;
+const HARMLESS: f64 = 0.25;
+/// How often outliers are told anew by the surface without them.
 const ROUNDS: usize = 3;
+/// Scales of a kernel one after the other at most, the factor by which the harmless distance is less each time, and up to which the scale must be less.
+const SCALES: usize = 8;
+const FINER: f64 = 0.1;
 const RESOLVED: f64 = 0.5;
 
 /// A fitted surface, how it went, and where it began.
@@ -213,7 +219,7 @@ fn over_base_surface(
     let mut found = parameterise(points, &choice)?;
     if options.fit.robust != Robust::None {
         // Outliers draw the base surface to themselves, and make its domain wider.
-        let agree = consistent(points, &found.feet, &found.counts)?;
+        let agree = consistent(points, &found.feet, &found.counts, ROUGH)?;
         if agree != found.counts {
             let nowhere = Vector3::repeat(f64::NAN);
             let kept: Vec<Vector3<f64>> =
@@ -272,7 +278,7 @@ fn fitted_over(
     if options.fit.robust != Robust::None {
         // Outliers have drawn the base surface to themselves, and may have hidden others.
         for _ in 0..ROUNDS {
-            let again = least_squares.consistent(points, &found.counts)?;
+            let again = least_squares.consistent(points, &found.counts, HARMLESS)?;
             if again == counts {
                 break;
             }
@@ -313,7 +319,7 @@ fn fitted_over(
             .with_unfoldings(like_finish.unfoldings)
             .with_exact(like_finish.exact)
             .with_fit(near.fit.with_damping(like_finish.fit.damping));
-        let (done, finish) = finished(points, (&found.counts, &mut counts), least_squares, &near, progress)?;
+        let (done, finish) = finished(points, (found, &mut counts), least_squares, &near, progress)?;
         start.outcome = Some(finish.outcome);
         let mut report = finish.minimisation;
         let mut done = done;
@@ -380,44 +386,48 @@ fn smoothing_of_fewer(
     Ok(Some(report.fit.lambda * (unknowns as f64 / fewer).powi(2)))
 }
 
-/// The surface finished, and once more where it resolves by then what it did not before, and tells more outliers apart.
+/// The surface finished with kernels of smaller and smaller scales: at first what is off by less than a share of the spacing counts, so that what
+/// the surface does not resolve yet is not taken for outliers; then what is off by less than the noise, or what it cannot resolve.
 fn finished(
     points: &[Vector3<f64>],
-    (all, counts): (&[bool], &mut Vec<bool>),
+    (found, counts): (&Parameterisation, &mut Vec<bool>),
     least_squares: SurfaceFit,
     options: &SurfaceOptions,
     progress: Progress<'_>,
 ) -> Result<(SurfaceFit, FinishReport), ParameterError> {
+    if !matches!(options.fit.robust, Robust::Kernel { abs_scale: None, .. }) {
+        return Ok(finish_fit_with_progress(points, counts, least_squares, options, progress)?);
+    }
+    let mut harmless = HARMLESS;
+    // The scale that is left to the kernel is none.
+    let scale = |fit: &SurfaceFit, counts: &[bool], harmless: f64| -> Result<Option<f64>, ParameterError> {
+        let (sigma, unresolved) = fit.resolved_scale(points, counts)?;
+        let least = harmless * found.report.spacing;
+        Ok((unresolved || sigma < least).then_some(sigma.max(least)))
+    };
     let scaled =
-        |fit: &SurfaceFit, counts: &[bool]| -> Result<(Option<f64>, SurfaceOptions), ParameterError> {
-            let sigma = match options.fit.robust {
-                Robust::None => None,
-                _ => fit.unresolved_scale(points, counts)?,
-            };
-            Ok((sigma, options.with_fit(options.fit.with_robust(with_scale(options.fit.robust, sigma)))))
-        };
-    let (mut sigma, first) = scaled(&least_squares, counts)?;
-    let (mut done, mut report) = finish_fit_with_progress(points, counts, least_squares, &first, progress)?;
-    for _ in 1..ROUNDS {
-        let cancelled = report.outcome == FinishOutcome::Cancelled;
-        let Some(before) = sigma.filter(|_| report.outcome.is_new() && !cancelled) else { break };
-        let again = done.consistent(points, all)?;
-        let (now, next) = scaled(&done, &again)?;
-        if now.is_some_and(|now| now > RESOLVED * before) && again == *counts {
+        |sigma: Option<f64>| options.with_fit(options.fit.with_robust(with_scale(options.fit.robust, sigma)));
+    let mut sigma = scale(&least_squares, counts, harmless)?;
+    let (mut done, mut report) =
+        finish_fit_with_progress(points, counts, least_squares, &scaled(sigma), progress)?;
+    for _ in 1..SCALES {
+        let Some(before) = sigma.filter(|_| report.outcome != FinishOutcome::Cancelled) else { break };
+        harmless *= FINER;
+        let again = done.consistent(points, &found.counts, harmless)?;
+        sigma = scale(&done, &again, harmless)?;
+        if sigma.is_some_and(|now| now > RESOLVED * before) && again == *counts {
             break;
         }
         *counts = again;
-        let (better, then) = finish_fit_with_progress(points, counts, done, &next, progress)?;
+        let (next, then) = finish_fit_with_progress(points, counts, done, &scaled(sigma), progress)?;
+        done = next;
         let mut history = std::mem::take(&mut report.minimisation.fit.history);
-        done = better;
         let outcome = if then.outcome.is_new() { then.outcome } else { report.outcome };
         history.extend_from_slice(&then.minimisation.fit.history);
         (1..).zip(&mut history).for_each(|(number, step)| step.iteration = number);
-        // Each of the two may be the one that is left: its distance is the last of these.
-        let last = if then.outcome.is_new() { then.rms[1] } else { then.rms[0] };
-        report = FinishReport { outcome, rms: [report.rms[0], last], ..then };
+        let left = then.rms[usize::from(then.outcome.is_new())];
+        report = FinishReport { outcome, rms: [report.rms[0], left], ..then };
         report.minimisation.fit.history = history;
-        sigma = now;
     }
     Ok((done, report))
 }

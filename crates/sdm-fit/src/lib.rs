@@ -53,7 +53,7 @@ mod weights;
 pub use cloud_kind::{CloudKind, cloud_kind, measurable, tight_axes};
 pub use constraint::{Constraints, LinearCondition};
 pub use coverage_curve::{CurveCoverage, Stretch};
-pub use coverage_surface::{SurfaceCoverage, data_outline};
+pub use coverage_surface::{PieceWithData, SurfaceCoverage, data_outline};
 pub use curve::ActiveCurve;
 pub use error::Error;
 pub use iterate::{Progress, fit, fit_with_progress, no_progress};

@@ -19,15 +19,18 @@ const MEDIAN: f64 = 0.674_489_75;
 const DECIMALS: f64 = 1e-6;
 /// Distance of the sixth neighbour of evenly scattered points in units of the side of the square that each has to itself.
 const SIXTH: f64 = 1.38;
-/// Local standard deviation of the distances, in units of that of all points, from which on the surface does not resolve what is there.
-const UNRESOLVED: f64 = 2.5;
+/// Nearest neighbours that tell how far the surface is from the points somewhere, and what that is in units of the standard deviation of all
+/// distances from which on the surface does not resolve what is there: three of six that are so far off are no noise.
+const NEAREST: usize = 6;
+const UNRESOLVED: f64 = 5.0;
 
 /// Which of the points that count agree with their neighbours: the signed distance of a point from a surface differs from the median of
 /// the points whose feet are around its own by no more than such differences usually do, there or elsewhere, and it is not much farther from its
 /// neighbours than others are.
 ///
 /// A surface that does not resolve a detail, or that outliers have bent, is off for neighbours alike: unlike distances by themselves,
-/// these differences tell outliers apart before the surface is right.
+/// these differences tell outliers apart before the surface is right. Differences up to `harmless` times the distance between neighbouring points
+/// tell nothing: where a rough surface is bent less than points without noise, these are off by more at corners than elsewhere.
 ///
 /// # Errors
 /// [`Error::Option`] unless there is a foot for each point.
@@ -35,33 +38,35 @@ pub fn consistent(
     points: &[Vector3<f64>],
     feet: &[SurfaceFootpoint],
     counts: &[bool],
+    harmless: f64,
 ) -> Result<Vec<bool>, Error> {
     let counts = &crowded(points, counts)?;
     let around = Around::new(points, feet, counts)?;
     let sigma = around.sigma(points, |k| around.off[k]);
     let mut agree = counts.clone();
     for (k, &i) in around.used.iter().enumerate() {
-        agree[i] = around.off[k] <= OFF * sigma.max(around.spread[k].min(around.spacing));
+        let usual = OFF * sigma.max(around.spread[k].min(around.spacing));
+        agree[i] = around.off[k] <= usual.max(harmless * around.spacing);
     }
     Ok(agree)
 }
 
-/// The standard deviation of the distances where the surface is farthest from the points for neighbours alike, at most the distance between
-/// neighbours; `None` where it is nowhere much larger than that of all.
+/// The standard deviation of the distances: that of all points by their median, or, where the surface is much farther from points that are next to each
+/// other, the one there, at most the distance between neighbours; and whether it is the latter.
 ///
 /// A robust kernel of a smaller scale gives no weight to regions that the surface does not resolve yet, and it never will.
 ///
 /// # Errors
 /// As [`consistent`].
-pub fn unresolved_scale(
+pub fn resolved_scale(
     points: &[Vector3<f64>],
     feet: &[SurfaceFootpoint],
     counts: &[bool],
-) -> Result<Option<f64>, Error> {
+) -> Result<(f64, bool), Error> {
     let around = Around::new(points, feet, counts)?;
     let sigma = around.sigma(points, |k| feet[around.used[k]].distance);
     let largest = around.level.iter().copied().fold(0.0, f64::max).min(around.spacing);
-    Ok((largest > UNRESOLVED * sigma).then_some(largest))
+    Ok(if largest > UNRESOLVED * sigma { (largest, true) } else { (sigma, false) })
 }
 
 /// Points beside those whose feet are around theirs.
@@ -69,7 +74,7 @@ struct Around {
     used: Vec<usize>,
     /// Difference of the signed distance from the median of the neighbours.
     off: Vec<f64>,
-    /// Standard deviations of these differences, and of the distances, among the neighbours, by their medians.
+    /// Standard deviations of these differences among the neighbours, and of the distances among the nearest, by their medians.
     spread: Vec<f64>,
     level: Vec<f64>,
     /// Side of the square that a point has to itself.
@@ -92,7 +97,8 @@ impl Around {
             let near = index.nearest_n(&places[k], NEIGHBOURS + 1);
             let around: Vec<usize> = near.iter().map(|n| n.index).filter(|j| *j != k).collect();
             let distances = around.iter().map(|&j| feet[used[j]].signed_distance).collect();
-            let level = median(around.iter().map(|&j| feet[used[j]].distance).collect()) / MEDIAN;
+            let nearest = around.iter().take(NEAREST);
+            let level = median(nearest.map(|&j| feet[used[j]].distance).collect()) / MEDIAN;
             ((feet[used[k]].signed_distance - median(distances)).abs(), level)
         });
         let (off, level): (Vec<f64>, Vec<f64>) = neighbours.into_iter().unzip();
@@ -149,15 +155,20 @@ impl SurfaceFit {
     ///
     /// # Errors
     /// As [`consistent`].
-    pub fn consistent(&self, points: &[Vector3<f64>], counts: &[bool]) -> Result<Vec<bool>, Error> {
-        consistent(points, &self.feet, counts)
+    pub fn consistent(
+        &self,
+        points: &[Vector3<f64>],
+        counts: &[bool],
+        harmless: f64,
+    ) -> Result<Vec<bool>, Error> {
+        consistent(points, &self.feet, counts, harmless)
     }
 
-    /// The standard deviation where this surface does not resolve the points; see [`unresolved_scale`].
+    /// The standard deviation of the distances from this surface; see [`resolved_scale`].
     ///
     /// # Errors
     /// As [`consistent`].
-    pub fn unresolved_scale(&self, points: &[Vector3<f64>], counts: &[bool]) -> Result<Option<f64>, Error> {
-        unresolved_scale(points, &self.feet, counts)
+    pub fn resolved_scale(&self, points: &[Vector3<f64>], counts: &[bool]) -> Result<(f64, bool), Error> {
+        resolved_scale(points, &self.feet, counts)
     }
 }

@@ -6,10 +6,10 @@ use super::samples::{count, span_lengths};
 use crate::{Error, parallel};
 use mesh_core::CloudIndex;
 use nalgebra::{Point3, Vector3};
-use nurbs_core::{BsplineSurface, KnotVector, ParametricSurface, TrimLoops};
+use nurbs_core::{BsplineSurface, Direction, KnotVector, ParametricSurface, TrimLoops};
 
 /// Radius of balls without data whose centres are on the surface, in units of the distance beyond which a part of the surface is without data.
-const BALL: f64 = 2.0 / 3.0;
+const BALL: f64 = 0.8;
 /// Distance of grid lines in units of the radius, at most that where there would be too many, and most places.
 const FINE: f64 = 0.15;
 const COARSE: f64 = 0.4;
@@ -17,13 +17,15 @@ const MOST: f64 = 400_000.0;
 /// Share of the area, and of the points, that parts may have which are by themselves where some points may be outliers.
 const ISLAND: f64 = 0.02;
 const STRAY: f64 = 0.01;
+/// Places around a surface where it may be opened.
+const SEAMS: usize = 4;
 /// Width of the rim that is left around the data, in distances of grid lines: what lies on the outline stays inside.
 const RIM: f64 = 0.7;
 
 /// The loops in the parameters of a surface that bound what of it is near data points, if they leave out a part of it.
 ///
 /// It is what no ball without points, its centre on the surface, reaches (the α-hull of \[EKS83\], on a surface): its
-/// radius is two thirds of the distance beyond which a part of the surface counts as without data, mostly two spacings of the points. So the piece
+/// radius is four fifths of the distance beyond which a part of the surface counts as without data, mostly two spacings of the points. So the piece
 /// follows outlines that are concave, and holes; holes that random points may leave are none. The first loop is the outer one, counter-clockwise
 /// in (u, v); those of holes run the other way round.
 ///
@@ -39,12 +41,50 @@ pub fn data_outline(
     coverage: &SurfaceCoverage,
     outliers: bool,
 ) -> Result<Option<TrimLoops>, Error> {
+    if [surface.knots_u(), surface.knots_v()].iter().any(|k| k.is_periodic()) {
+        return Ok(None);
+    }
+    outline(surface, points, coverage, outliers, None)
+}
+
+/// A surface that closes in one direction, opened, and the loops that bound what of it is near data points, as [`data_outline`] does. The seam is
+/// one of a few around the surface that the piece does not cross.
+///
+/// # Errors
+/// As [`data_outline`].
+pub(super) fn opened_with_outline(
+    surface: &BsplineSurface,
+    points: &[Vector3<f64>],
+    coverage: &SurfaceCoverage,
+    outliers: bool,
+) -> Result<Option<(BsplineSurface, TrimLoops)>, Error> {
+    let knots = [surface.knots_u(), surface.knots_v()];
+    let direction = match knots.map(KnotVector::is_periodic) {
+        [true, false] => Direction::U,
+        [false, true] => Direction::V,
+        _ => return Ok(None),
+    };
+    let domain = knots[usize::from(direction == Direction::V)].domain();
+    for k in 0..SEAMS {
+        let opened = surface.opened_at(direction, domain.lerp(k as f64 / SEAMS as f64))?;
+        if let Some(trim) = outline(&opened, points, coverage, outliers, Some(direction))? {
+            return Ok(Some((opened, trim)));
+        }
+    }
+    Ok(None)
+}
+
+/// The loops on a surface without a periodic direction, which may be closed in that of a seam.
+fn outline(
+    surface: &BsplineSurface,
+    points: &[Vector3<f64>],
+    coverage: &SurfaceCoverage,
+    outliers: bool,
+    seam: Option<Direction>,
+) -> Result<Option<TrimLoops>, Error> {
     let knots = [surface.knots_u(), surface.knots_v()];
     let radius = BALL * coverage.limit;
-    if coverage.is_complete()
-        || knots.iter().any(|k| k.is_periodic())
-        || !(radius > 0.0 && radius.is_finite())
-    {
+    if coverage.is_complete() || !(radius > 0.0 && radius.is_finite()) {
         return Ok(None);
     }
     let Some(lines) = grid_lines(surface, knots, radius) else { return Ok(None) };
@@ -52,7 +92,7 @@ pub fn data_outline(
     let places = parallel::map(lines[0].len() * columns, |k| {
         Point3::from(surface.point(lines[0][k / columns], lines[1][k % columns]))
     });
-    if is_closed(&places, columns, radius) {
+    if is_closed(&places, columns, radius, seam) {
         return Ok(None);
     }
     let data: Vec<Point3<f64>> = points.iter().map(|p| Point3::from(*p)).collect();
@@ -117,13 +157,13 @@ fn grid_lines(surface: &BsplineSurface, knots: [&KnotVector; 2], radius: f64) ->
     }))
 }
 
-/// Whether opposite edges of the grid lie on each other, or one is a point.
-fn is_closed(places: &[Point3<f64>], columns: usize, radius: f64) -> bool {
+/// Whether opposite edges of the grid lie on each other, but for those of a seam, or one is a point.
+fn is_closed(places: &[Point3<f64>], columns: usize, radius: f64, seam: Option<Direction>) -> bool {
     let rows = places.len() / columns;
     let near = |a: usize, b: usize| (places[a] - places[b]).norm() <= radius;
     let edges = [
-        (0..columns).all(|j| near(j, (rows - 1) * columns + j)),
-        (0..rows).all(|i| near(i * columns, i * columns + columns - 1)),
+        seam != Some(Direction::U) && (0..columns).all(|j| near(j, (rows - 1) * columns + j)),
+        seam != Some(Direction::V) && (0..rows).all(|i| near(i * columns, i * columns + columns - 1)),
         (0..columns).all(|j| near(0, j)),
         (0..columns).all(|j| near((rows - 1) * columns, (rows - 1) * columns + j)),
         (0..rows).all(|i| near(0, i * columns)),
@@ -215,6 +255,39 @@ mod tests {
             // Those on the last lines of the domain lie on the loop.
             assert!(25 * outside < points.len(), "{outside} of {}", points.len());
         }
+    }
+
+    #[test]
+    fn a_tube_is_opened_where_its_data_end_at_a_slant() {
+        use std::f64::consts::TAU;
+        // Radius 2, height 10, cut off between 5 and 9.
+        let knots =
+            [KnotVector::uniform_periodic(3, 12).unwrap(), KnotVector::uniform_clamped(1, 2).unwrap()];
+        let ring = |k: usize| TAU * (k % 12) as f64 / 12.0;
+        let factor = 3.0 / (2.0 + (TAU / 12.0).cos());
+        let place = |k: usize| {
+            let (a, height) = (ring(k / 2), 10.0 * (k % 2) as f64);
+            Vector3::new(2.0 * factor * a.cos(), 2.0 * factor * a.sin(), height)
+        };
+        let [u, v] = knots;
+        let tube = BsplineSurface::new(u, v, (0..30).map(place).collect(), None).unwrap();
+        let points: Vec<Vector3<f64>> = (0..60 * 50)
+            .map(|k| (TAU * (k / 50) as f64 / 60.0, 0.2 * (k % 50) as f64))
+            .filter(|(a, height)| *height <= 7.0 + 2.0 * a.cos())
+            .map(|(a, height)| Vector3::new(2.0 * a.cos(), 2.0 * a.sin(), height))
+            .collect();
+        let whole = SurfaceCoverage::of_surface(&tube, &points, 0.0, None).unwrap();
+        assert!(!whole.is_complete() && data_outline(&tube, &points, &whole, false).unwrap().is_none());
+        let (opened, trim) = opened_with_outline(&tube, &points, &whole, false).unwrap().unwrap();
+        assert!(!opened.knots_u().is_periodic() && trim.loops().len() == 1);
+        let piece = SurfaceCoverage::of_trimmed(&opened, &trim, &points, 0.0, None).unwrap();
+        let area = TAU * 2.0 * 7.0;
+        assert!(piece.is_complete() && (piece.area - area).abs() < 0.05 * area, "{piece}");
+        // A closed ring that is missing somewhere has a seam beside its gap, if any of a few is there.
+        let half: Vec<Vector3<f64>> = points.iter().filter(|p| p.x < 1.0).copied().collect();
+        let whole = SurfaceCoverage::of_surface(&tube, &half, 0.0, None).unwrap();
+        let (opened, trim) = opened_with_outline(&tube, &half, &whole, false).unwrap().unwrap();
+        assert!(SurfaceCoverage::of_trimmed(&opened, &trim, &half, 0.0, None).unwrap().is_complete());
     }
 
     #[test]

@@ -10,6 +10,7 @@ mod folds;
 pub(crate) mod given;
 mod initial;
 mod judge;
+mod options;
 mod rational;
 mod refine;
 mod runs;
@@ -19,8 +20,7 @@ mod tolerance;
 pub use active::ActiveSurface;
 pub(crate) use base::{Base, choose};
 pub use fit::{
-    SurfaceFit, SurfaceOptions, SurfaceReport, fit_cloud, fit_cloud_with_progress, fit_surface,
-    fit_surface_with_progress,
+    SurfaceFit, SurfaceReport, fit_cloud, fit_cloud_with_progress, fit_surface, fit_surface_with_progress,
 };
 pub use folds::Folds;
 pub use initial::{BaseShape, InitialSurface, NetSize, initial_surface};
@@ -28,5 +28,6 @@ pub(crate) use initial::{approximate, centred, knots};
 pub use judge::{
     SurfaceCost, SurfaceDistances, cut_to_feet, residual_disagreement, surface_costs, surface_frames,
 };
+pub use options::SurfaceOptions;
 pub use refine::with_controls;
 pub use to_model::{fit_surface_to_model, fit_surface_to_model_with_progress};

@@ -1,9 +1,9 @@
 //! The runs of the loop of which the fit of a surface consists.
 
 use super::ActiveSurface;
-use super::fit::SurfaceOptions;
 use super::folds::Folds;
 use super::judge::residual_disagreement;
+use super::options::SurfaceOptions;
 use crate::iterate::{Progress, fit_with_progress};
 use crate::polish::{nearly_exact, polished};
 use crate::shape::ActiveShape;
