@@ -49,8 +49,8 @@ pub use defects::{SurfaceDefects, self_loops};
 pub use directed::{DirectedFoot, DirectedOptions, DirectedWeight, project_directed};
 pub use error::Error;
 pub use fit::{
-    FinishOutcome, FinishReport, FitOptions, SurfaceFit, consistent, crowded, finish_fit,
-    finish_fit_with_progress, finish_options, fit_parameters, resolved_scale,
+    FinishOutcome, FinishReport, FitOptions, Resolution, SurfaceFit, consistent, crowded, finish_fit,
+    finish_fit_with_progress, finish_options, fit_parameters, resolution,
 };
 pub use frame::AxisFrame;
 pub use hull::ConvexHull;

@@ -80,6 +80,7 @@ mod session;
 mod staging;
 mod summary;
 mod surface_conclusion;
+mod surface_finish;
 mod surface_judgement;
 mod surface_start;
 mod target;

@@ -1,8 +1,9 @@
 //! What the report of a fitted surface says about all points, which of them are outliers, and where the data end.
 
+use crate::surface_finish::HARMLESS;
 use crate::surface_judgement::Judgement;
-use crate::surface_start::{Found, Refusal, SMALL, Start};
-use industrial_geometry::cloud_param::{Error as ParameterError, consistent, crowded, resolved_scale};
+use crate::surface_start::{Found, NOISE, Refusal, Start};
+use industrial_geometry::cloud_param::{Error as ParameterError, consistent, crowded, resolution};
 use industrial_geometry::fit::{
     Folds, Robust, SurfaceCoverage, SurfaceDistances, SurfaceOptions, SurfaceReport, cut_to_feet, measurable,
     surface_frames,
@@ -11,7 +12,7 @@ use industrial_geometry::footpoint::SurfaceProjector;
 use industrial_geometry::nurbs::BsplineSurface;
 use industrial_geometry::nurbs::nalgebra::Vector3;
 
-/// Largest distance of a point, in spacings, from a surface that is right.
+/// Largest distance of a point, in spacings, from a surface that is right, where the distances are not those of noise.
 const VERIFIED: f64 = 0.25;
 
 /// The points with others beside them; those by themselves have no place.
@@ -41,40 +42,28 @@ pub(crate) fn with_scale(robust: Robust, sigma: Option<f64>) -> Robust {
     }
 }
 
-/// The same by the distances of points from a surface.
-fn resolved(
-    points: &[Vector3<f64>],
-    belongs: &[bool],
-    surface: &BsplineSurface,
-    robust: Robust,
-) -> Result<Robust, ParameterError> {
-    if robust == Robust::None {
-        return Ok(robust);
-    }
-    let feet = SurfaceProjector::new(surface).project_all(points);
-    let agree = consistent(points, &feet, belongs, 0.0)?;
-    let (sigma, unresolved) = resolved_scale(points, &feet, &agree)?;
-    Ok(with_scale(robust, unresolved.then_some(sigma)))
-}
-
-/// The points that say where the data end: those that are no outliers.
+/// What is assumed about outliers with a scale by the distances of points from a surface, and the points that say where the data end: those that are
+/// no outliers.
 fn counting(
     points: &[Vector3<f64>],
     belongs: &[bool],
     surface: &BsplineSurface,
-    found: &SurfaceDistances,
     robust: Robust,
-) -> Result<Vec<Vector3<f64>>, ParameterError> {
-    // Of points without noise, nearly all are beyond the scale of a kernel.
-    let least = SMALL * diagonal(points);
-    let mut counts: Vec<bool> =
-        (0..points.len()).map(|i| found.weights[i] > 0.0 || found.distances[i] <= least).collect();
-    if robust != Robust::None {
-        counts.iter_mut().zip(belongs).for_each(|(counts, belongs)| *counts &= belongs);
-        let feet = SurfaceProjector::new(surface).project_all(points);
-        counts = consistent(points, &feet, &counts, 0.0)?;
+) -> Result<(Robust, Vec<Vector3<f64>>), ParameterError> {
+    let kept = |counts: &dyn Fn(usize) -> bool| {
+        (0..points.len()).filter(|&i| counts(i)).map(|i| points[i]).collect()
+    };
+    if robust == Robust::None {
+        return Ok((robust, kept(&|i| belongs[i])));
     }
-    Ok(points.iter().zip(counts).filter(|(_, counts)| *counts).map(|(p, _)| *p).collect())
+    let feet = SurfaceProjector::new(surface).project_all(points);
+    let agree = consistent(points, &feet, belongs, HARMLESS)?;
+    let seen = resolution(points, &feet, &agree)?;
+    let robust = with_scale(robust, seen.unresolved.then_some(seen.sigma));
+    let found = SurfaceDistances::of(surface, points, robust)?;
+    // Points without noise are off by more than the scale of a kernel where the surface does not resolve them.
+    let near = |i: usize| found.weights[i] > 0.0 || found.distances[i] <= HARMLESS * seen.spacing;
+    Ok((robust, kept(&|i| agree[i] && near(i))))
 }
 
 /// What the report says about the surface that is left, and all finite points, whether they were used or not.
@@ -88,9 +77,8 @@ pub(crate) fn concluded(
     let belongs = measurable(points)?;
     let kept: Vec<Vector3<f64>> = points.iter().zip(&belongs).filter(|(_, b)| **b).map(|(p, _)| *p).collect();
     // Open ends stop where the points do that are no outliers.
-    let robust = resolved(points, &belongs, &surface, options.fit.robust).map_err(Refusal::Points)?;
-    let found = SurfaceDistances::of(&surface, points, robust)?;
-    let counting = counting(points, &belongs, &surface, &found, robust).map_err(Refusal::Points)?;
+    let (robust, counting) =
+        counting(points, &belongs, &surface, options.fit.robust).map_err(Refusal::Points)?;
     let frames = surface_frames(&surface, &counting)?;
     if let Some(cut) = cut_to_feet(&surface, &frames)? {
         surface = cut;
@@ -126,7 +114,9 @@ pub(crate) fn concluded(
     (start.far, start.far_max, start.unresolved) = (judgement.far, judgement.far_max, judgement.unresolved);
     start.missed = judgement.missed;
     // What is near all points, with all of its parts, is right, whatever it began with.
-    let is_near = coverage.is_complete() && report.fit.max <= VERIFIED * coverage.spacing;
+    let is_noise = found.disagreement >= NOISE && found.rms <= coverage.spacing;
+    let is_near = coverage.is_complete()
+        && (report.fit.max <= VERIFIED * coverage.spacing || is_noise && judgement.is_clean());
     start.doubtful &= !(is_near && report.folds.count() == 0);
     report.coverage = Some(coverage);
     Ok((surface, report, start))

@@ -55,7 +55,12 @@ impl Judgement {
                 counted(self.missed, "point")
             ));
         }
-        self.far > 0 || self.unresolved || self.missed > 0
+        !self.is_clean()
+    }
+
+    /// Whether all points are met.
+    pub(crate) fn is_clean(&self) -> bool {
+        self.far == 0 && !self.unresolved && self.missed == 0
     }
 }
 

@@ -1,13 +1,13 @@
 //! Surfaces from clouds of which nothing is known: base surface, parameters, least squares, squared distances.
 
 use crate::report::Report;
-use crate::surface_conclusion::{concluded, diagonal, in_crowds, with_scale};
+use crate::surface_conclusion::{concluded, diagonal, in_crowds};
+use crate::surface_finish::{HARMLESS, extended, finished};
 use crate::surface_judgement::Judgement;
 use crate::wording::counted;
 use industrial_geometry::cloud_param::{
-    Error as ParameterError, FinishOutcome, FinishReport, FitOptions, Parameterisation, ParameteriseOptions,
-    ParameteriseReport, Shape, SurfaceFit, consistent, finish_fit_with_progress, finish_options,
-    fit_parameters, parameterise,
+    Error as ParameterError, FinishOutcome, FitOptions, Parameterisation, ParameteriseOptions,
+    ParameteriseReport, Shape, consistent, finish_options, fit_parameters, parameterise,
 };
 use industrial_geometry::fit::{
     BaseShape, Error, Folds, Progress, Robust, Smoothing, Status, SurfaceDistances, SurfaceOptions,
@@ -20,10 +20,10 @@ use std::path::Path;
 
 /// How much residuals of neighbours differ, 1 where they have nothing to do with each other, from which on more control points have nothing
 /// to follow.
-const NOISE: f64 = 0.8;
+pub(crate) const NOISE: f64 = 0.8;
 /// Root mean square distance, as a share of the diagonal, that needs no more control points: points of a file without noise leave it; share of it that more of them must leave at
 /// most; most control points that are chosen, and fewest points for each.
-pub(crate) const SMALL: f64 = 1e-4;
+const SMALL: f64 = 1e-4;
 const LESS: f64 = 0.85;
 const MOST_CHOSEN: usize = 4000;
 const PER_CONTROL: usize = 4;
@@ -34,15 +34,12 @@ const ASKED: usize = 2500;
 const FEWER: usize = 1600;
 /// First factor of an energy that vanishes, from a surface that is near, and its factor in each iteration.
 const VANISHING: [f64; 2] = [1e-6, 0.1];
-/// Distance from a base surface, and from another one, in spacings, by which an outlier does not draw it far to itself.
+/// Distance from a base surface, in spacings, by which an outlier does not draw it far to itself.
 const ROUGH: f64 = 1.0;
-const HARMLESS: f64 = 0.25;
 /// How often outliers are told anew by the surface without them.
 const ROUNDS: usize = 3;
-/// Scales of a kernel one after the other at most, the factor by which the harmless distance is less each time, and up to which the scale must be less.
-const SCALES: usize = 8;
-const FINER: f64 = 0.1;
-const RESOLVED: f64 = 0.5;
+/// Last step, and distance that is left, in spacings, of a surface that goes on moving but resolves the points.
+const AT_REST: f64 = 0.01;
 
 /// A fitted surface, how it went, and where it began.
 pub(crate) type Found = (BsplineSurface, SurfaceReport, Start);
@@ -320,9 +317,14 @@ fn fitted_over(
             .with_exact(like_finish.exact)
             .with_fit(near.fit.with_damping(like_finish.fit.damping));
         let (done, finish) = finished(points, (found, &mut counts), least_squares, &near, progress)?;
+        let (mut done, finish) = if found.report.beyond_ends > 0 && finish.outcome != FinishOutcome::Cancelled
+        {
+            extended(points, &mut counts, (done, finish), &near, progress)?
+        } else {
+            (done, finish)
+        };
         start.outcome = Some(finish.outcome);
         let mut report = finish.minimisation;
-        let mut done = done;
         if finish.rms[1] <= SMALL * diagonal(points) && report.fit.status != Status::Cancelled {
             // Hardly any distance is left: without the energy the surface may be exact.
             let data: Vec<Vector3<f64>> =
@@ -352,6 +354,12 @@ fn fitted_over(
         }
         (done.surface, report)
     };
+    let last = report.fit.history.last().map_or(f64::INFINITY, |step| step.displacement);
+    if report.fit.status == Status::MaxIterations
+        && last.max(report.fit.rms) <= AT_REST * found.report.spacing
+    {
+        report.fit.status = Status::Converged;
+    }
     report.controls = [surface.knots_u().distinct_count(), surface.knots_v().distinct_count()];
     report.folds = Folds::of(&surface);
     report.base = Some(base);
@@ -384,50 +392,4 @@ fn smoothing_of_fewer(
     }
     let (_, report, _) = fitted_over(points, found, &options.with_size(size), progress)?;
     Ok(Some(report.fit.lambda * (unknowns as f64 / fewer).powi(2)))
-}
-
-/// The surface finished with kernels of smaller and smaller scales: at first what is off by less than a share of the spacing counts, so that what
-/// the surface does not resolve yet is not taken for outliers; then what is off by less than the noise, or what it cannot resolve.
-fn finished(
-    points: &[Vector3<f64>],
-    (found, counts): (&Parameterisation, &mut Vec<bool>),
-    least_squares: SurfaceFit,
-    options: &SurfaceOptions,
-    progress: Progress<'_>,
-) -> Result<(SurfaceFit, FinishReport), ParameterError> {
-    if !matches!(options.fit.robust, Robust::Kernel { abs_scale: None, .. }) {
-        return Ok(finish_fit_with_progress(points, counts, least_squares, options, progress)?);
-    }
-    let mut harmless = HARMLESS;
-    // The scale that is left to the kernel is none.
-    let scale = |fit: &SurfaceFit, counts: &[bool], harmless: f64| -> Result<Option<f64>, ParameterError> {
-        let (sigma, unresolved) = fit.resolved_scale(points, counts)?;
-        let least = harmless * found.report.spacing;
-        Ok((unresolved || sigma < least).then_some(sigma.max(least)))
-    };
-    let scaled =
-        |sigma: Option<f64>| options.with_fit(options.fit.with_robust(with_scale(options.fit.robust, sigma)));
-    let mut sigma = scale(&least_squares, counts, harmless)?;
-    let (mut done, mut report) =
-        finish_fit_with_progress(points, counts, least_squares, &scaled(sigma), progress)?;
-    for _ in 1..SCALES {
-        let Some(before) = sigma.filter(|_| report.outcome != FinishOutcome::Cancelled) else { break };
-        harmless *= FINER;
-        let again = done.consistent(points, &found.counts, harmless)?;
-        sigma = scale(&done, &again, harmless)?;
-        if sigma.is_some_and(|now| now > RESOLVED * before) && again == *counts {
-            break;
-        }
-        *counts = again;
-        let (next, then) = finish_fit_with_progress(points, counts, done, &scaled(sigma), progress)?;
-        done = next;
-        let mut history = std::mem::take(&mut report.minimisation.fit.history);
-        let outcome = if then.outcome.is_new() { then.outcome } else { report.outcome };
-        history.extend_from_slice(&then.minimisation.fit.history);
-        (1..).zip(&mut history).for_each(|(number, step)| step.iteration = number);
-        let left = then.rms[usize::from(then.outcome.is_new())];
-        report = FinishReport { outcome, rms: [report.rms[0], left], ..then };
-        report.minimisation.fit.history = history;
-    }
-    Ok((done, report))
 }

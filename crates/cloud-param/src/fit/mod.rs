@@ -7,7 +7,7 @@ mod knots;
 mod outliers;
 
 pub use finish::{FinishOutcome, FinishReport, finish_fit, finish_fit_with_progress, finish_options};
-pub use outliers::{consistent, crowded, resolved_scale};
+pub use outliers::{Resolution, consistent, crowded, resolution};
 
 use crate::{Error, SurfaceDefects, parallel};
 use anchors::Anchors;

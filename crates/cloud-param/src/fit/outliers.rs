@@ -51,22 +51,34 @@ pub fn consistent(
     Ok(agree)
 }
 
-/// The standard deviation of the distances: that of all points by their median, or, where the surface is much farther from points that are next to each
-/// other, the one there, at most the distance between neighbours; and whether it is the latter.
-///
-/// A robust kernel of a smaller scale gives no weight to regions that the surface does not resolve yet, and it never will.
+/// How far a surface is from points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Resolution {
+    /// Standard deviation of the distances: that of all points by their median, or, where the surface is much farther from points that are next to each
+    /// other, the one there, at most the distance between neighbours.
+    ///
+    /// A robust kernel of a smaller scale gives no weight to regions that the surface does not resolve yet, and it never will.
+    pub sigma: f64,
+    /// Whether it is the latter.
+    pub unresolved: bool,
+    /// Distance between neighbouring points: side of the square that each has to itself.
+    pub spacing: f64,
+}
+
+/// How far a surface is from the points that count, by their feet.
 ///
 /// # Errors
 /// As [`consistent`].
-pub fn resolved_scale(
+pub fn resolution(
     points: &[Vector3<f64>],
     feet: &[SurfaceFootpoint],
     counts: &[bool],
-) -> Result<(f64, bool), Error> {
+) -> Result<Resolution, Error> {
     let around = Around::new(points, feet, counts)?;
     let sigma = around.sigma(points, |k| feet[around.used[k]].distance);
     let largest = around.level.iter().copied().fold(0.0, f64::max).min(around.spacing);
-    Ok(if largest > UNRESOLVED * sigma { (largest, true) } else { (sigma, false) })
+    let unresolved = largest > UNRESOLVED * sigma;
+    Ok(Resolution { sigma: if unresolved { largest } else { sigma }, unresolved, spacing: around.spacing })
 }
 
 /// Points beside those whose feet are around theirs.
@@ -164,11 +176,11 @@ impl SurfaceFit {
         consistent(points, &self.feet, counts, harmless)
     }
 
-    /// The standard deviation of the distances from this surface; see [`resolved_scale`].
+    /// How far this surface is from the points that count; see [`resolution`].
     ///
     /// # Errors
     /// As [`consistent`].
-    pub fn resolved_scale(&self, points: &[Vector3<f64>], counts: &[bool]) -> Result<(f64, bool), Error> {
-        resolved_scale(points, &self.feet, counts)
+    pub fn resolution(&self, points: &[Vector3<f64>], counts: &[bool]) -> Result<Resolution, Error> {
+        resolution(points, &self.feet, counts)
     }
 }
