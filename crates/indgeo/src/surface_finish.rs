@@ -3,7 +3,7 @@
 use crate::surface_conclusion::with_scale;
 use industrial_geometry::cloud_param::{
     Error as ParameterError, FinishOutcome, FinishReport, Parameterisation, SurfaceFit,
-    finish_fit_with_progress,
+    finish_fit_with_progress, finish_options,
 };
 use industrial_geometry::fit::{Folds, Progress, Robust, SurfaceDistances, SurfaceOptions, measurable};
 use industrial_geometry::nurbs::nalgebra::Vector3;
@@ -14,12 +14,56 @@ pub(crate) const HARMLESS: f64 = 0.25;
 const SCALES: usize = 8;
 const FINER: f64 = 0.1;
 const RESOLVED: f64 = 0.5;
+/// Points per control point, and in all, that say where a surface is before all points do, and how many times as many there are where that is worth it.
+const PER_CONTROL: usize = 250;
+const FEWEST: usize = 50_000;
+const MANY: usize = 3;
 /// How often a surface is drawn to the points beyond its ends.
 const EXTENSIONS: usize = 3;
 
+/// The surface finished: by a sample first where there are very many points, and then by all of them.
+pub(crate) fn finished(
+    points: &[Vector3<f64>],
+    (found, counts): (&Parameterisation, &mut Vec<bool>),
+    least_squares: SurfaceFit,
+    options: &SurfaceOptions,
+    progress: Progress<'_>,
+) -> Result<(SurfaceFit, FinishReport), ParameterError> {
+    let size =
+        least_squares.surface.knots_u().distinct_count() * least_squares.surface.knots_v().distinct_count();
+    let Some(mut some) = sample(counts, (PER_CONTROL * size).max(FEWEST)) else {
+        return finished_with(points, (found, counts), least_squares, options, progress);
+    };
+    let (near, first) = finished_with(points, (found, &mut some), least_squares, options, progress)?;
+    if first.outcome == FinishOutcome::Cancelled {
+        return Ok((near, first));
+    }
+    let steps = finish_options(points.len()).fit.max_iterations.min(options.fit.max_iterations);
+    let few = options.with_fit(options.fit.with_max_iterations(steps));
+    let (done, then) = finished_with(points, (found, counts), near, &few, progress)?;
+    Ok((done, followed(first, then)))
+}
+
+/// About so many of the points that count, in no order; `None` unless there are many times as many.
+fn sample(counts: &[bool], wanted: usize) -> Option<Vec<bool>> {
+    let used = counts.iter().filter(|counts| **counts).count();
+    if used < MANY * wanted {
+        return None;
+    }
+    let share = wanted as f64 / used as f64;
+    let chosen = |i: usize| {
+        // The mixing function of splitmix64: scans are in rows, of which every tenth point may be a row.
+        let mut x = (i as u64).wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((x ^ (x >> 31)) >> 11) as f64 * 2f64.powi(-53) < share
+    };
+    Some(counts.iter().enumerate().map(|(i, counts)| *counts && chosen(i)).collect())
+}
+
 /// The surface finished with kernels of smaller and smaller scales: at first what is off by less than a share of the spacing counts, so that what
 /// the surface does not resolve yet is not taken for outliers; then what is off by less than the noise, or what it cannot resolve.
-pub(crate) fn finished(
+fn finished_with(
     points: &[Vector3<f64>],
     (found, counts): (&Parameterisation, &mut Vec<bool>),
     least_squares: SurfaceFit,
@@ -107,4 +151,24 @@ pub(crate) fn extended(
         report = followed(report, then);
     }
     Ok((done, report))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_are_spread_over_all_points() {
+        let counts: Vec<bool> = (0..100_000).map(|i| i % 2 == 0).collect();
+        let some = sample(&counts, 5000).unwrap();
+        let chosen: Vec<usize> = (0..counts.len()).filter(|&i| some[i]).collect();
+        assert!((4700..5300).contains(&chosen.len()) && chosen.iter().all(|&i| counts[i]));
+        // As many in each tenth, and of each row of a hundred points.
+        for tenth in 0..10 {
+            let own = chosen.iter().filter(|&&i| i / 10_000 == tenth).count();
+            let column = chosen.iter().filter(|&&i| i % 100 / 10 == tenth).count();
+            assert!((400..600).contains(&own) && (400..600).contains(&column), "{tenth}: {own} {column}");
+        }
+        assert!(sample(&counts, 20_000).is_none());
+    }
 }

@@ -15,7 +15,7 @@ const CHORDS: usize = 32;
 const PER_POINT: usize = 4;
 const MOST: usize = 200_000;
 /// How far a point may be: in spacings, and in units of the noise, besides half the logarithm of the number of points.
-const SPACINGS: f64 = 3.0;
+const SPACINGS: f64 = 2.5;
 const NOISES: f64 = 5.0;
 /// Neighbours whose mean place is compared with the curve, and how far that may be in units of the noise.
 const WINDOW: usize = 16;

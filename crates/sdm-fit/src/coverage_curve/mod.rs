@@ -42,7 +42,7 @@ pub struct CurveCoverage {
     pub length_ratio: f64,
     /// The parts without data, the longest first.
     pub without_data: Vec<Stretch>,
-    /// Distance from the curve up to which a point is near: three spacings, or what noise or a tolerance explain.
+    /// Distance from the curve up to which a point is near: two and a half spacings, or what noise or a tolerance explain.
     pub distance_limit: f64,
     /// Number of points that are further away.
     pub points_far: usize,

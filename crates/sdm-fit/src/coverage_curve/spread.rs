@@ -8,8 +8,8 @@ use nalgebra::{Point, SVector};
 
 /// Standard deviation of the points as a share of the length of the curve from which on they are no curve.
 const THICK: f64 = 0.03;
-/// Neighbourhood in units of the root mean square distance, how far along the curve those in it may be, and the share of pairs further apart from
-/// which on the points are no curve.
+/// Neighbourhood in units of the root mean square distance, how far along the curve those in it may be, and the share of pairs further apart, in the
+/// mean along the curve, from which on the points are no curve.
 const ABOUT: f64 = 4.0;
 const ALONG: f64 = 3.0;
 const FOREIGN: f64 = 0.15;
@@ -51,12 +51,19 @@ pub(super) fn spreads<const D: usize>(
     if in_lanes(stops, &places, &index, rms, total / stops.len() as f64) {
         return true;
     }
+    // Points may be dense where parts of the curve come near to each other, as at the ends of a thin section: its length counts.
     let mut at = vec![0.0; points.len()];
-    stops.iter().for_each(|s| at[s.index] = s.at);
+    let mut own = vec![0.0; points.len()];
+    for (k, stop) in stops.iter().enumerate() {
+        let before = if k > 0 { stop.at - stops[k - 1].at } else { 0.0 };
+        let behind = stops.get(k + 1).map_or(0.0, |next| next.at - stop.at);
+        at[stop.index] = stop.at;
+        own[stop.index] = 0.5 * (before + behind);
+    }
     let reach = ABOUT * rms;
     let stride = points.len().div_ceil(LOOKED_AT).max(1);
     let looked: Vec<usize> = (0..points.len()).step_by(stride).collect();
-    let counts = parallel::tasks(looked.len(), |k| {
+    let shares = parallel::tasks(looked.len(), |k| {
         let i = looked[k];
         let near = index.within(&places[i], reach);
         let foreign = near.iter().filter(|n| {
@@ -64,10 +71,10 @@ pub(super) fn spreads<const D: usize>(
             let apart = if closed { apart.min(total - apart) } else { apart };
             apart > ALONG * reach
         });
-        (near.len().saturating_sub(1), foreign.count())
+        (own[i], own[i] * foreign.count() as f64 / (near.len().saturating_sub(1)).max(1) as f64)
     });
-    let (all, foreign) = counts.iter().fold((0, 0), |sum, c| (sum.0 + c.0, sum.1 + c.1));
-    foreign as f64 > FOREIGN * all as f64
+    let (length, foreign) = shares.iter().fold((0.0, 0.0), |sum, s| (sum.0 + s.0, sum.1 + s.1));
+    foreign > FOREIGN * length
 }
 
 /// Whether there are few points in the middle along the curve: in the mean, or along a share of it. Distances are in units of those of their neighbours:
@@ -116,13 +123,17 @@ fn in_lanes<const D: usize>(
     if is_hollow(stops, kurtosis) {
         return true;
     }
-    let stride = places.len().div_ceil(LOOKED_AT).max(1);
-    let looked: Vec<usize> = (0..places.len()).step_by(stride).collect();
+    // In units of half the side of the square, or of the cube, that a point of the cloud has to itself there.
+    let stride = stops.len().div_ceil(LOOKED_AT).max(1);
+    let looked: Vec<usize> = (0..stops.len()).step_by(stride).collect();
     let mut nearest = parallel::tasks(looked.len(), |k| {
-        let near = index.nearest_n(&places[looked[k]], NEIGHBOURS);
-        near.iter().map(|n| n.distance()).find(|d| *d > 0.0).unwrap_or(f64::INFINITY)
+        let (first, last) =
+            (looked[k].saturating_sub(AROUND / 2), (looked[k] + AROUND / 2).min(stops.len() - 1));
+        let along = (stops[last].at - stops[first].at) / (last - first) as f64;
+        let own = if D == 2 { along * BAND * rms } else { along * (BAND * rms).powi(2) };
+        let near = index.nearest_n(&places[stops[looked[k]].index], NEIGHBOURS);
+        let distance = near.iter().map(|n| n.distance()).find(|d| *d > 0.0).unwrap_or(f64::INFINITY);
+        distance / (0.5 * own.powf(1.0 / D as f64)).max(f64::MIN_POSITIVE)
     });
-    // Half the side of the square, or of the cube, that a point of the cloud has to itself.
-    let own = if D == 2 { spacing * BAND * rms } else { spacing * (BAND * rms).powi(2) };
-    quantile_in_place(&mut nearest, 0.5) < LINE * 0.5 * own.powf(1.0 / D as f64)
+    quantile_in_place(&mut nearest, 0.5) < LINE
 }

@@ -13,7 +13,7 @@ const BALL: f64 = 0.8;
 /// Distance of grid lines in units of the radius, at most that where there would be too many, and most places.
 const FINE: f64 = 0.15;
 const COARSE: f64 = 0.4;
-const MOST: f64 = 400_000.0;
+const MOST: f64 = 4_000_000.0;
 /// Share of the area, and of the points, that parts may have which are by themselves where some points may be outliers.
 const ISLAND: f64 = 0.02;
 const STRAY: f64 = 0.01;

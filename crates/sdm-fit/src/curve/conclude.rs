@@ -25,6 +25,8 @@ const BEYOND: f64 = 6.0;
 const GOES_ON: f64 = 0.3;
 /// Share of the distance that is explained up to which a point is no outlier.
 const NEAR: f64 = 0.4;
+/// Root mean square distance as a share of the length from which on points that show no path lie on no curve.
+const LOST: f64 = 0.01;
 /// Share of the points that may be left out.
 const LEFT_OUT: f64 = 0.3;
 
@@ -86,7 +88,6 @@ impl<const D: usize> Work<'_, D> {
         let left: Vec<SVector<f64, D>> = (0..local.len()).filter(|&k| !counts[k]).map(|k| local[k]).collect();
         coverage.points_far +=
             missed(&left, local.len(), &coverage) + beyond_ends(&state.curve, &left, &coverage);
-        coverage.spread_out |= origin.lost;
         let outliers = robust != Robust::None;
         if !outliers {
             coverage.points_far += astray.len();
@@ -98,6 +99,7 @@ impl<const D: usize> Work<'_, D> {
         let max_index = judged.iter().copied().find(|&i| feet[i].distance == largest).unwrap_or(0);
         let shares = judged.iter().map(|&i| (feet[i].distance / largest.max(f64::MIN_POSITIVE)).powi(2));
         let rms = largest * (shares.sum::<f64>() / judged.len().max(1) as f64).sqrt();
+        coverage.spread_out |= origin.lost && rms > LOST * coverage.length;
         let tolerance = self.options.abs_tolerance;
         let within = |limit: f64| judged.iter().filter(|&&i| feet[i].distance <= limit).count() as f64;
         let reached = tolerance.map(|limit| largest <= limit);

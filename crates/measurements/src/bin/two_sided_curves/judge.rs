@@ -4,8 +4,9 @@ use crate::truths::Truth;
 use nalgebra::Vector2;
 use std::collections::HashMap;
 
-/// Samples of a fitted curve per span.
+/// Samples of a fitted curve per span at least, and chords per distance that is allowed.
 const PER_SPAN: usize = 60;
+const PER_ALLOWED: f64 = 20.0;
 /// Allowed distance in spacings, and in standard deviations of the noise.
 const NEAR: f64 = 3.0;
 
@@ -32,13 +33,25 @@ impl Spline {
         d[p]
     }
 
-    fn places(&self) -> Vec<Vector2<f64>> {
+    /// Places along the curve that are no further apart than a distance, unless it is very fast somewhere.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a positive number of chords"
+    )]
+    fn places(&self, apart: f64) -> Vec<Vector2<f64>> {
         let mut out = Vec::new();
         for span in self.degree..self.controls.len() {
             let (low, high) = (self.knots[span], self.knots[span + 1]);
             if high > low {
-                let at = |k: usize| low + (high - low) * k as f64 / PER_SPAN as f64;
-                out.extend((0..=PER_SPAN).map(|k| self.point(span, at(k))));
+                let sampled = |count: usize| {
+                    let at = move |k: usize| low + (high - low) * k as f64 / count as f64;
+                    (0..=count).map(move |k| self.point(span, at(k)))
+                };
+                let coarse: Vec<Vector2<f64>> = sampled(PER_SPAN).collect();
+                let widest = coarse.windows(2).map(|p| (p[1] - p[0]).norm()).fold(0.0, f64::max);
+                let finer = (widest / apart).ceil().clamp(1.0, 100.0) as usize;
+                out.extend(sampled(finer * PER_SPAN));
             }
         }
         out
@@ -86,6 +99,8 @@ impl Cells {
 
 /// The largest distance between fitted curves and the truth, in both directions, and what is allowed.
 ///
+/// The curve may be near the truth or near the points: where parts of the truth cross or run into each other, points of one are near the other.
+///
 /// Allowed are three spacings of the points or three standard deviations of the noise; where random points happen to leave a larger hole, as far as the
 /// truth in it is from them.
 pub(crate) fn distance(truth: &Truth, points: &[Vector2<f64>], sigma: f64, fitted: &[Spline]) -> [f64; 2] {
@@ -95,9 +110,9 @@ pub(crate) fn distance(truth: &Truth, points: &[Vector2<f64>], sigma: f64, fitte
     let data = Cells::new(points.iter().copied(), cell);
     let widest = all().map(|p| data.distance(&p)).fold(0.0, f64::max);
     let allowed = (NEAR * sigma).max(NEAR * spacing).max(widest);
-    let found: Vec<Vector2<f64>> = fitted.iter().flat_map(Spline::places).collect();
+    let found: Vec<Vector2<f64>> = fitted.iter().flat_map(|s| s.places(allowed / PER_ALLOWED)).collect();
     let (truths, curves) = (Cells::new(all(), cell), Cells::new(found.iter().copied(), cell));
-    let there = found.iter().map(|p| truths.distance(p)).fold(0.0, f64::max);
+    let there = found.iter().map(|p| truths.distance(p).min(data.distance(p))).fold(0.0, f64::max);
     let back = all().map(|p| curves.distance(&p)).fold(0.0, f64::max);
     [there.max(back), allowed]
 }

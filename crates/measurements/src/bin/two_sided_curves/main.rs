@@ -1,8 +1,8 @@
 //! Curves fitted to points of known curves in no order, judged from both sides by code that shares nothing with the fit.
 //!
 //! `cargo run --release -p measurements --bin two_sided_curves [-- SEEDS [LARGEST [KIND]]]`. Noise of 0 to 1 % of the size, 0 to 5 % outliers (then with a
-//! robust kernel), 150 to 100,000 points. A run is right if the fitted curve is nowhere further from the true one, and the true one nowhere further
-//! from the fitted one, than three spacings of the points or three standard deviations of the noise (between neighbours that happen to be
+//! robust kernel), 150 to 100,000 points. A run is right if the fitted curve is nowhere further from the true one or the points of it, and the true one
+//! nowhere further from the fitted one, than three spacings of the points or three standard deviations of the noise (between neighbours that happen to be
 //! further apart, than that); it is said if the report does not claim that curve and points cover each other. What must not be is a wrong
 //! curve that is not said to be so: the program then ends with 1. With the environment variable `TELL` every run that is not right is described.
 
