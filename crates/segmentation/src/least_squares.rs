@@ -28,16 +28,35 @@ pub(crate) fn mean(points: &[Point3<f64>]) -> Point3<f64> {
 
 /// Sum of squares, gradient and Gauss-Newton matrix, the unused unknowns fixed.
 pub(crate) fn normal_equations(carrier: &Carrier, points: &[Point3<f64>]) -> (f64, Row, Normal) {
-    let (mut cost, mut gradient, mut matrix) = (0.0, Row::zeros(), Normal::zeros());
-    for x in points {
-        let (d, row) = carrier.linear(x);
-        cost += d * d;
-        gradient += row * d;
-        matrix.syger(1.0, &row, &row, 1.0);
+    match carrier.unknowns() {
+        3 => sums::<3>(carrier, points),
+        4 => sums::<4>(carrier, points),
+        5 => sums::<5>(carrier, points),
+        6 => sums::<6>(carrier, points),
+        _ => sums::<UNKNOWNS>(carrier, points),
     }
-    matrix.fill_upper_triangle_with_lower_triangle();
-    for k in carrier.unknowns()..UNKNOWNS {
-        matrix[(k, k)] = 1.0;
+}
+
+/// The same for a carrier of `N` unknowns.
+fn sums<const N: usize>(carrier: &Carrier, points: &[Point3<f64>]) -> (f64, Row, Normal) {
+    let linearisation = carrier.linearisation();
+    let (mut cost, mut slope, mut square) = (0.0, [0.0; N], [[0.0; N]; N]);
+    for x in points {
+        let (d, row) = linearisation.at(x);
+        cost += d * d;
+        for i in 0..N {
+            slope[i] += row[i] * d;
+            for j in 0..=i {
+                square[i][j] += row[i] * row[j];
+            }
+        }
+    }
+    let (mut gradient, mut matrix) = (Row::zeros(), Normal::identity());
+    for i in 0..N {
+        gradient[i] = slope[i];
+        for j in 0..=i {
+            (matrix[(i, j)], matrix[(j, i)]) = (square[i][j], square[i][j]);
+        }
     }
     (cost, gradient, matrix)
 }
