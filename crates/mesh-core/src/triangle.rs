@@ -217,4 +217,22 @@ mod tests {
         assert_eq!((foot.distance_sq, foot.point), (4.0, point(1.0, 1.0, 1.0)));
         assert_eq!(dot.unit_normal(), Vector3::zeros());
     }
+
+    #[test]
+    fn the_distance_alone_has_the_same_bits() {
+        let number = |k: u32| (f64::from(k) * 0.754_877_666_2).fract() * 4.0 - 2.0;
+        let shapes = [
+            [point(0.0, 0.0, 0.0), point(2.0, 0.1, 0.3), point(0.4, 1.0, -0.2)],
+            [point(0.0, 0.0, 0.0), point(1.0, 0.0, 0.0), point(-3.0, 1.0, 0.0)],
+            [point(0.0, 0.0, 0.0), point(1.0, 0.0, 0.0), point(0.5, 1e-9, 0.0)],
+            [point(0.0, 0.0, 0.0), point(1.0, 0.0, 0.0), point(3.0, 0.0, 0.0)],
+            [point(1.0, 1.0, 1.0); 3],
+        ];
+        for (k, shape) in (0u32..2000).flat_map(|k| shapes.iter().map(move |shape| (k, shape))) {
+            let triangle = Triangle(*shape);
+            let x = point(number(3 * k), number(3 * k + 1), number(3 * k + 2));
+            let whole = triangle.closest(&x).distance_sq;
+            assert_eq!(triangle.distance_sq(&x).to_bits(), whole.to_bits(), "{x} {shape:?}");
+        }
+    }
 }
