@@ -85,5 +85,5 @@ pub(super) fn next(number: Number) -> Number {
 /// The half-edge before in its triangle.
 #[inline]
 pub(super) fn previous(number: Number) -> Number {
-    if number % 3 == 0 { number + 2 } else { number - 1 }
+    if number.is_multiple_of(3) { number + 2 } else { number - 1 }
 }
