@@ -45,6 +45,7 @@ pub(crate) fn across(axis: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
 }
 
 /// Height along an axis, distance from it, and the direction away from it.
+#[inline]
 pub(crate) fn cylindrical(
     x: &Point3<f64>,
     point: &Point3<f64>,
@@ -210,7 +211,7 @@ pub(crate) struct Linearisation<'a> {
 
 impl Linearisation<'_> {
     /// Signed distance and its derivatives by the unknowns of [`Carrier::moved`].
-    #[inline]
+    #[inline(always)]
     pub(crate) fn at(&self, x: &Point3<f64>) -> (f64, Row) {
         let mut row = Row::zeros();
         let (e, f) = &self.across;
