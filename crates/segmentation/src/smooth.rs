@@ -16,11 +16,11 @@ use crate::merge::adjacency;
 use crate::sweep::{Sweep, decide_sweep};
 
 /// Angle in radians between the normals of two carriers at a border beyond which it is an edge.
-const EDGE: f64 = 0.06;
+pub(crate) const EDGE: f64 = 0.06;
 /// Angle in radians by which the curvatures may differ over the width of the smaller piece.
-const BEND: f64 = 0.35;
+pub(crate) const BEND: f64 = 0.35;
 /// Share of the noise (of its lower limit in data without any) below which distances leave no doubt about a carrier.
-const EXACT: f64 = 0.06;
+pub(crate) const EXACT: f64 = 0.06;
 /// Fewest links of a smooth border.
 pub(crate) const LINKS: usize = 6;
 /// Fewest points of a smooth region.
@@ -181,7 +181,7 @@ pub(crate) fn join(cloud: &Cloud<'_>, regions: &mut Vec<Region>, labels: &mut [u
 
 /// Whether one primitive holds so many points of a cluster that it is no piece of another surface: a simple one more than half of them,
 /// a torus, which bends both ways as pieces do, nearly all.
-pub(crate) fn is_mostly_one(regions: &[Region], members: &[usize]) -> bool {
+fn is_mostly_one(regions: &[Region], members: &[usize]) -> bool {
     let all: usize = members.iter().map(|&k| regions[k].points.len()).sum();
     members.iter().any(|&k| {
         let points = regions[k].points.len();
