@@ -82,6 +82,8 @@ impl Error {
 
     /// An option that the library refuses, named as it is typed.
     pub(crate) fn option(name: &str, value: f64, allowed: &str, advice: &'static str) -> Self {
+        // Hundreds of digits tell nobody anything.
+        let value = if value.abs() < 1e12 { value.to_string() } else { format!("{value:e}") };
         Self::usage(format!("{} is {value}, it must be {allowed}", typed(name)), advice)
     }
 

@@ -7,6 +7,8 @@ use crate::files;
 use industrial_geometry::distance_field::LevelSetField;
 use industrial_geometry::io::{Format, ReadReport};
 use industrial_geometry::level_set;
+use industrial_geometry::level_set::surface::{dual_contour, of_field};
+use industrial_geometry::mesh::TriangleMesh;
 use std::path::Path;
 
 /// The level set 0 of values on a grid.
@@ -21,6 +23,16 @@ pub(crate) enum LevelSet {
 /// Whether a file is one of a grid, by its name.
 pub(crate) fn is_grid(path: &Path) -> bool {
     matches!(files::extension(path).as_str(), "vti" | "npy")
+}
+
+/// The level set 0 of a field in space as a mesh, by dual contouring.
+pub(crate) fn mesh(path: &Path) -> Result<TriangleMesh, Error> {
+    match read(path)?.0 {
+        LevelSet::Space(field) => {
+            dual_contour(field.grid(), of_field(&field)).map_err(|error| refused(path, &error))
+        }
+        LevelSet::Plane(_) => Err(Error::content(path, "the field lies in the plane", "give one in space")),
+    }
 }
 
 /// Reads values on a grid that says where its nodes lie.

@@ -1,6 +1,7 @@
 //! The fit of a subdivision surface: read, coarsen, fit, write.
 
 use crate::error::Error;
+use crate::field_model;
 use crate::files;
 use crate::fit_numbers::{FitNumbers, FitVerdict, Within, told};
 use crate::fitting_input::{Scan, check_paths, warn_dropped, warn_incomplete};
@@ -91,13 +92,20 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Erro
     }
     warn_dropped(job.points, dropped, scan.points.len(), report);
     let folded_edges_of_input = scan.mesh.as_ref().map(folded_edges);
+    let mesh = match scan.mesh {
+        // The points of a field are its crossings with the grid; its triangles make the control mesh.
+        None if job.init.is_none() && field_model::is_grid(job.points) => {
+            Some(Timings::measure(&mut report.timings.build, || field_model::mesh(job.points))?)
+        }
+        mesh => mesh,
+    };
     let given = job.init.map(|path| control(path, report)).transpose()?;
     let start = if given.is_some() { "given" } else { "coarsened" };
     let progress = Progress::iterations("fitting", job.quiet);
     let most = job.options.max_iterations;
     let tell = |step: &StepRecord| told(&progress, step, most);
     let found = Timings::measure(&mut report.timings.compute, || {
-        let control = match (given, scan.mesh) {
+        let control = match (given, mesh) {
             (Some(control), _) => control,
             (None, Some(mesh)) => coarse(job, mesh)?,
             (None, None) => {

@@ -199,7 +199,16 @@ impl MeshProjector {
     /// The closest points to many points, in their order, on all threads. See [`MeshProjector::project`].
     #[must_use]
     pub fn project_many(&self, points: &[Point3<f64>]) -> Vec<Result<MeshFootpoint, Error>> {
-        parallel::map(points, |i| self.project(&points[i]))
+        // The search begins with the triangle of the query before, which is a neighbour: that saves time and changes no answer.
+        parallel::map_with(
+            points,
+            || None,
+            |before, i| {
+                let foot = self.project_near(&points[i], *before);
+                *before = foot.as_ref().ok().map(|foot| foot.triangle);
+                foot
+            },
+        )
     }
 
     /// The nearest triangle and its foot; the search begins at the distance of a guess, and goes on for `wanted` beyond the nearest.
@@ -208,9 +217,9 @@ impl MeshProjector {
         // one as near with a smaller index. With this margin the answer is the least of all, wherever the search begins.
         let rounding = ROUNDING * (self.reach + x.coords.amax());
         let bound = |distance_sq: f64| (distance_sq.sqrt() + rounding + wanted).powi(2);
-        let mut best = guess.map(|place| (place, self.triangles[place].closest(x)));
-        best = best.filter(|(_, foot)| foot.distance_sq < f64::INFINITY);
-        let mut limit = best.map_or(f64::INFINITY, |(_, foot)| foot.distance_sq);
+        let mut best = guess.map(|place| (place, self.triangles[place].distance_sq(x)));
+        best = best.filter(|(_, distance_sq)| *distance_sq < f64::INFINITY);
+        let mut limit = best.map_or(f64::INFINITY, |(_, distance_sq)| distance_sq);
         let mut enough = bound(limit);
         let mut others = f64::INFINITY;
         self.bvh.nearest_where(
@@ -218,27 +227,27 @@ impl MeshProjector {
             enough,
             |_| true,
             |place| {
-                if self.triangles[place].box_distance_sq(x) > enough {
+                let again = best.is_some_and(|(best, _)| best == place);
+                if again || self.triangles[place].box_distance_sq(x) > enough {
                     return enough;
                 }
-                let again = best.is_some_and(|(best, _)| best == place);
-                let foot = self.triangles[place].closest(x);
-                let nearer = foot.distance_sq < limit
-                    || foot.distance_sq == limit
+                let distance_sq = self.triangles[place].distance_sq(x);
+                let nearer = distance_sq < limit
+                    || distance_sq == limit
                         && best.is_some_and(|(best, _)| self.indices[place] < self.indices[best]);
                 if nearer {
                     others = others.min(limit);
-                    limit = foot.distance_sq;
+                    limit = distance_sq;
                     enough = bound(limit);
-                    best = Some((place, foot));
-                } else if !again {
-                    others = others.min(foot.distance_sq);
+                    best = Some((place, distance_sq));
+                } else {
+                    others = others.min(distance_sq);
                 }
                 enough
             },
         );
         let slack = (0.5 * (others.min(enough).sqrt() - limit.sqrt()) - rounding).max(0.0);
-        best.map(|(place, foot)| Nearest { place, foot, slack })
+        best.map(|(place, _)| Nearest { place, foot: self.triangles[place].closest(x), slack })
     }
 
     /// The pseudo-normal, not of unit length, at a point of a triangle.

@@ -2,6 +2,8 @@
 
 use nalgebra::{Point3, Vector3};
 
+use crate::bvh::{larger, smaller};
+
 /// The part of a triangle on which a point lies. Corners are 0, 1, 2; edge `i` joins the corners `i` and `i + 1` (mod 3).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Feature {
@@ -88,14 +90,53 @@ impl Triangle {
         best.unwrap_or_else(|| self.closest_on_edge(x, 0))
     }
 
+    /// The squared distance of the closest point to `x`, with the same bits as that of [`Triangle::closest`].
+    #[inline]
+    pub(crate) fn distance_sq(&self, x: &Point3<f64>) -> f64 {
+        let [a, b, c] = self.0;
+        let (ab, ac, ax) = (b - a, c - a, x - a);
+        let normal = ab.cross(&ac);
+        let area_sq = normal.norm_squared();
+        let longest_sq = larger(larger(ab.norm_squared(), ac.norm_squared()), (c - b).norm_squared());
+        if area_sq <= WELL_SHAPED_SQ * longest_sq * longest_sq || area_sq.is_nan() {
+            return self.closest(x).distance_sq;
+        }
+        let of_c = ab.cross(&ax).dot(&normal) / area_sq;
+        let of_b = ax.cross(&ac).dot(&normal) / area_sq;
+        let of_a = 1.0 - of_b - of_c;
+        if of_a > 0.0 && of_b > 0.0 && of_c > 0.0 {
+            return (x - (a + ab * of_b + ac * of_c)).norm_squared();
+        }
+        let to_edge = |start: Point3<f64>, end: Point3<f64>| {
+            let along = end - start;
+            let t = (x - start).dot(&along) / along.norm_squared();
+            let point = if t > 0.0 && t < 1.0 {
+                start + along * t
+            } else if t >= 1.0 {
+                end
+            } else {
+                start
+            };
+            (x - point).norm_squared()
+        };
+        // Opposite of an edge lies the corner whose weight is not positive beyond it.
+        let mut least = f64::INFINITY;
+        for (weight, start, end) in [(of_c, a, b), (of_a, b, c), (of_b, c, a)] {
+            if weight <= 0.0 {
+                least = least.min(to_edge(start, end));
+            }
+        }
+        if least < f64::INFINITY { least } else { self.closest(x).distance_sq }
+    }
+
     /// The squared distance of the box around the triangle, which is no larger than that of the triangle.
     pub(crate) fn box_distance_sq(&self, x: &Point3<f64>) -> f64 {
         let [a, b, c] = &self.0;
         let mut sum = 0.0;
         for axis in 0..3 {
-            let low = a[axis].min(b[axis]).min(c[axis]);
-            let high = a[axis].max(b[axis]).max(c[axis]);
-            let outside = (low - x[axis]).max(x[axis] - high).max(0.0);
+            let low = smaller(smaller(a[axis], b[axis]), c[axis]);
+            let high = larger(larger(a[axis], b[axis]), c[axis]);
+            let outside = larger(larger(low - x[axis], x[axis] - high), 0.0);
             sum += outside * outside;
         }
         sum
@@ -175,5 +216,23 @@ mod tests {
         let foot = dot.closest(&point(1.0, 1.0, 3.0));
         assert_eq!((foot.distance_sq, foot.point), (4.0, point(1.0, 1.0, 1.0)));
         assert_eq!(dot.unit_normal(), Vector3::zeros());
+    }
+
+    #[test]
+    fn the_distance_alone_has_the_same_bits() {
+        let number = |k: u32| (f64::from(k) * 0.754_877_666_2).fract() * 4.0 - 2.0;
+        let shapes = [
+            [point(0.0, 0.0, 0.0), point(2.0, 0.1, 0.3), point(0.4, 1.0, -0.2)],
+            [point(0.0, 0.0, 0.0), point(1.0, 0.0, 0.0), point(-3.0, 1.0, 0.0)],
+            [point(0.0, 0.0, 0.0), point(1.0, 0.0, 0.0), point(0.5, 1e-9, 0.0)],
+            [point(0.0, 0.0, 0.0), point(1.0, 0.0, 0.0), point(3.0, 0.0, 0.0)],
+            [point(1.0, 1.0, 1.0); 3],
+        ];
+        for (k, shape) in (0u32..2000).flat_map(|k| shapes.iter().map(move |shape| (k, shape))) {
+            let triangle = Triangle(*shape);
+            let x = point(number(3 * k), number(3 * k + 1), number(3 * k + 2));
+            let whole = triangle.closest(&x).distance_sq;
+            assert_eq!(triangle.distance_sq(&x).to_bits(), whole.to_bits(), "{x} {shape:?}");
+        }
     }
 }

@@ -4,6 +4,7 @@ use crate::carrier::Carrier;
 use crate::graph::as_index;
 use crate::grow::{Cloud, NONE, Region};
 use crate::least_squares::refine;
+use crate::sweep::Sweep;
 use nalgebra::Point3;
 
 /// Cost of a point that no carrier explains: that of 4 standard deviations.
@@ -25,7 +26,11 @@ const SWEEPS: usize = 8;
 fn cost(cloud: &Cloud<'_>, region: &Region, label: u32, labels: &[u32], i: usize) -> f64 {
     let sigma = cloud.sigma;
     let Some(carrier) = &region.carrier else {
-        return smooth_cost(cloud, label, labels, i);
+        let along = match &region.sweep {
+            Some(Sweep::Extrusion { axis }) => tilt_cost(cloud, i, axis),
+            _ => 0.0,
+        };
+        return smooth_cost(cloud, label, labels, i) + along;
     };
     let (d, n) = carrier.at(&cloud.points[i]);
     let q = d / sigma;
@@ -40,6 +45,16 @@ fn turn_cost(cloud: &Cloud<'_>, i: usize, normal: &nalgebra::Vector3<f64>) -> f6
     let angle = own.normal.dot(normal).abs().min(1.0).acos();
     let q = (angle - FREE_TURN).max(0.0) / own.deviation.max(0.02);
     (0.5 * q * q).min(TURNED)
+}
+
+/// Cost of a normal that is not perpendicular to the direction of an extrusion.
+fn tilt_cost(cloud: &Cloud<'_>, i: usize, axis: &nalgebra::Vector3<f64>) -> f64 {
+    let own = &cloud.jets.normals[i];
+    if !own.deviation.is_finite() {
+        return 0.0;
+    }
+    let q = (own.normal.dot(axis).abs().min(1.0).asin() - FREE_TURN).max(0.0) / own.deviation.max(0.02);
+    (0.5 * q * q).min(FAR)
 }
 
 /// Distance from a smooth region: from the local quadrics of the nearest of its points.

@@ -45,6 +45,7 @@ pub(crate) fn across(axis: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
 }
 
 /// Height along an axis, distance from it, and the direction away from it.
+#[inline]
 pub(crate) fn cylindrical(
     x: &Point3<f64>,
     point: &Point3<f64>,
@@ -101,7 +102,7 @@ impl Carrier {
             Self::Torus { centre, axis, radius, minor } => {
                 let (h, r, u) = cylindrical(x, centre, axis);
                 let q = r - radius;
-                let l = q.hypot(h);
+                let l = (q * q + h * h).sqrt();
                 let n = if l > 0.0 { (u * q + axis * h) / l } else { u };
                 (l - minor, n)
             }
@@ -110,60 +111,19 @@ impl Carrier {
 
     /// Signed distance and its derivatives by the unknowns of [`Carrier::moved`].
     pub(crate) fn linear(&self, x: &Point3<f64>) -> (f64, Row) {
-        let mut row = Row::zeros();
-        match self {
-            Self::Plane { point, normal } => {
-                let (e, f) = across(normal);
-                let d = x - point;
-                row[0] = -1.0;
-                row[1] = d.dot(&e);
-                row[2] = d.dot(&f);
-                (d.dot(normal), row)
-            }
-            Self::Sphere { .. } => {
-                let (d, n) = self.at(x);
-                row.fixed_rows_mut::<3>(0).copy_from(&-n);
-                row[3] = -1.0;
-                (d, row)
-            }
-            Self::Cylinder { point, axis, radius } => {
-                let (h, r, u) = cylindrical(x, point, axis);
-                let (e, f) = across(axis);
-                row[0] = -u.dot(&e);
-                row[1] = -u.dot(&f);
-                row[2] = h * row[0];
-                row[3] = h * row[1];
-                row[4] = -1.0;
-                (r - radius, row)
-            }
-            Self::Cone { point, axis, radius, angle } => {
-                let (h, r, u) = cylindrical(x, point, axis);
-                let (e, f) = across(axis);
-                let (s, c) = angle.sin_cos();
-                let (ue, uf) = (u.dot(&e), u.dot(&f));
-                row[0] = -ue * c;
-                row[1] = -uf * c;
-                row[2] = -(h * c + r * s) * ue;
-                row[3] = -(h * c + r * s) * uf;
-                row[4] = -c;
-                row[5] = -(r - radius) * s - h * c;
-                ((r - radius) * c - h * s, row)
-            }
-            Self::Torus { centre, axis, radius, minor } => {
-                let (h, r, u) = cylindrical(x, centre, axis);
-                let q = r - radius;
-                let l = q.hypot(h).max(f64::MIN_POSITIVE);
-                let n = (u * q + axis * h) / l;
-                let (e, f) = across(axis);
-                let tilt = (h * r - q * h) / l;
-                row.fixed_rows_mut::<3>(0).copy_from(&-n);
-                row[3] = tilt * u.dot(&e);
-                row[4] = tilt * u.dot(&f);
-                row[5] = -q / l;
-                row[6] = -1.0;
-                (l - minor, row)
-            }
-        }
+        self.linearisation().at(x)
+    }
+
+    /// What the derivatives at all points have in common.
+    pub(crate) fn linearisation(&self) -> Linearisation<'_> {
+        let (axis, angle) = match self {
+            Self::Sphere { .. } => (None, 0.0),
+            Self::Plane { normal, .. } => (Some(normal), 0.0),
+            Self::Cone { axis, angle, .. } => (Some(axis), *angle),
+            Self::Cylinder { axis, .. } | Self::Torus { axis, .. } => (Some(axis), 0.0),
+        };
+        let across = axis.map_or_else(|| (Vector3::x(), Vector3::y()), across);
+        Linearisation { carrier: self, across, turn: angle.sin_cos() }
     }
 
     /// The carrier after a step in its unknowns, its reference point moved along the axis next to a given point (where the
@@ -238,3 +198,71 @@ impl Carrier {
 
 /// Half angle in radians beyond which a cone is a plane.
 const STEEPEST: f64 = 1.553;
+
+/// A carrier with what the derivatives of its distance have in common at all points.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Linearisation<'a> {
+    carrier: &'a Carrier,
+    /// Directions across the axis or normal.
+    across: (Vector3<f64>, Vector3<f64>),
+    /// Sine and cosine of the angle of a cone.
+    turn: (f64, f64),
+}
+
+impl Linearisation<'_> {
+    /// Signed distance and its derivatives by the unknowns of [`Carrier::moved`].
+    #[inline(always)]
+    pub(crate) fn at(&self, x: &Point3<f64>) -> (f64, Row) {
+        let mut row = Row::zeros();
+        let (e, f) = &self.across;
+        match self.carrier {
+            Carrier::Plane { point, normal } => {
+                let d = x - point;
+                row[0] = -1.0;
+                row[1] = d.dot(e);
+                row[2] = d.dot(f);
+                (d.dot(normal), row)
+            }
+            Carrier::Sphere { .. } => {
+                let (d, n) = self.carrier.at(x);
+                row.fixed_rows_mut::<3>(0).copy_from(&-n);
+                row[3] = -1.0;
+                (d, row)
+            }
+            Carrier::Cylinder { point, axis, radius } => {
+                let (h, r, u) = cylindrical(x, point, axis);
+                row[0] = -u.dot(e);
+                row[1] = -u.dot(f);
+                row[2] = h * row[0];
+                row[3] = h * row[1];
+                row[4] = -1.0;
+                (r - radius, row)
+            }
+            Carrier::Cone { point, axis, radius, .. } => {
+                let (h, r, u) = cylindrical(x, point, axis);
+                let (s, c) = self.turn;
+                let (ue, uf) = (u.dot(e), u.dot(f));
+                row[0] = -ue * c;
+                row[1] = -uf * c;
+                row[2] = -(h * c + r * s) * ue;
+                row[3] = -(h * c + r * s) * uf;
+                row[4] = -c;
+                row[5] = -(r - radius) * s - h * c;
+                ((r - radius) * c - h * s, row)
+            }
+            Carrier::Torus { centre, axis, radius, minor } => {
+                let (h, r, u) = cylindrical(x, centre, axis);
+                let q = r - radius;
+                let l = (q * q + h * h).sqrt().max(f64::MIN_POSITIVE);
+                let n = (u * q + axis * h) / l;
+                let tilt = (h * r - q * h) / l;
+                row.fixed_rows_mut::<3>(0).copy_from(&-n);
+                row[3] = tilt * u.dot(e);
+                row[4] = tilt * u.dot(f);
+                row[5] = -q / l;
+                row[6] = -1.0;
+                (l - minor, row)
+            }
+        }
+    }
+}

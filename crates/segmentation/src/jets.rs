@@ -100,6 +100,14 @@ impl Jet {
         if one.0.abs() >= other.0.abs() { [one, other] } else { [other, one] }
     }
 
+    /// How much the normal at the origin, on the side of another one, turns towards a direction per length.
+    pub(crate) fn bend(&self, direction: &Vector3<f64>, side: &Vector3<f64>) -> f64 {
+        let step = 1e-3 * self.radius;
+        let (here, next) = (self.at(&self.origin).1, self.at(&(self.origin + direction * step)).1);
+        let sign = if here.dot(side) < 0.0 { -1.0 } else { 1.0 };
+        (next - here).dot(direction) / step * sign
+    }
+
     /// The normal at the origin.
     pub(crate) fn normal(&self) -> Vector3<f64> {
         self.at(&self.origin).1
@@ -151,7 +159,7 @@ pub(crate) struct Jets {
 }
 
 /// Points of a neighbourhood, the point itself included.
-const FEW: usize = 16;
+pub(crate) const FEW: usize = 16;
 
 impl Jets {
     /// Fits all quadrics.

@@ -28,28 +28,67 @@ pub(crate) fn mean(points: &[Point3<f64>]) -> Point3<f64> {
 
 /// Sum of squares, gradient and Gauss-Newton matrix, the unused unknowns fixed.
 pub(crate) fn normal_equations(carrier: &Carrier, points: &[Point3<f64>]) -> (f64, Row, Normal) {
-    let (mut cost, mut gradient, mut matrix) = (0.0, Row::zeros(), Normal::zeros());
-    for x in points {
-        let (d, row) = carrier.linear(x);
-        cost += d * d;
-        gradient += row * d;
-        matrix.syger(1.0, &row, &row, 1.0);
+    match carrier.unknowns() {
+        3 => sums::<3>(carrier, points),
+        4 => sums::<4>(carrier, points),
+        5 => sums::<5>(carrier, points),
+        6 => sums::<6>(carrier, points),
+        _ => sums::<UNKNOWNS>(carrier, points),
     }
-    matrix.fill_upper_triangle_with_lower_triangle();
-    for k in carrier.unknowns()..UNKNOWNS {
-        matrix[(k, k)] = 1.0;
+}
+
+/// The same for a carrier of `N` unknowns.
+fn sums<const N: usize>(carrier: &Carrier, points: &[Point3<f64>]) -> (f64, Row, Normal) {
+    let linearisation = carrier.linearisation();
+    let (mut cost, mut slope, mut square) = (0.0, [0.0; N], [[0.0; N]; N]);
+    for x in points {
+        let (d, row) = linearisation.at(x);
+        cost += d * d;
+        for i in 0..N {
+            slope[i] += row[i] * d;
+            for j in 0..=i {
+                square[i][j] += row[i] * row[j];
+            }
+        }
+    }
+    let (mut gradient, mut matrix) = (Row::zeros(), Normal::identity());
+    for i in 0..N {
+        gradient[i] = slope[i];
+        for j in 0..=i {
+            (matrix[(i, j)], matrix[(j, i)]) = (square[i][j], square[i][j]);
+        }
     }
     (cost, gradient, matrix)
 }
 
 /// Least squares from a start; `None` where the start is no proper carrier for the points.
 pub(crate) fn refine(start: &Carrier, points: &[Point3<f64>], max_steps: usize) -> Option<Fit> {
+    refine_some(start, points, max_steps, &[true; UNKNOWNS])
+}
+
+/// The same where only some unknowns are free.
+pub(crate) fn refine_some(
+    start: &Carrier,
+    points: &[Point3<f64>],
+    max_steps: usize,
+    free: &[bool; UNKNOWNS],
+) -> Option<Fit> {
     let near = mean(points);
     let mut carrier = start.moved(&Row::zeros(), &near)?;
-    if points.len() < carrier.unknowns() {
+    let unknowns = (0..carrier.unknowns()).filter(|&k| free[k]).count();
+    if points.len() < unknowns {
         return None;
     }
-    let (mut cost, mut gradient, mut matrix) = normal_equations(&carrier, points);
+    let equations = |carrier: &Carrier| {
+        let (cost, mut gradient, mut matrix) = normal_equations(carrier, points);
+        for k in (0..UNKNOWNS).filter(|&k| !free[k]) {
+            matrix.row_mut(k).fill(0.0);
+            matrix.column_mut(k).fill(0.0);
+            (gradient[k], matrix[(k, k)]) = (0.0, 1.0);
+        }
+        (cost, gradient, matrix)
+    };
+    let (mut cost, mut gradient, mut matrix) = equations(&carrier);
     if !cost.is_finite() {
         return None;
     }
@@ -61,8 +100,7 @@ pub(crate) fn refine(start: &Carrier, points: &[Point3<f64>], max_steps: usize) 
                 damped[(k, k)] += damping * matrix[(k, k)] + 1e-30;
             }
             let trial = damped.cholesky().map(|c| -c.solve(&gradient));
-            let next =
-                trial.and_then(|step| carrier.moved(&step, &near)).map(|c| (c, normal_equations(&c, points)));
+            let next = trial.and_then(|step| carrier.moved(&step, &near)).map(|c| (c, equations(&c)));
             if let Some((moved, (value, slope, hessian))) = next.filter(|(_, (value, _, _))| *value <= cost) {
                 let gain = cost - value;
                 (carrier, gradient, matrix) = (moved, slope, hessian);
@@ -80,7 +118,7 @@ pub(crate) fn refine(start: &Carrier, points: &[Point3<f64>], max_steps: usize) 
             }
         }
     }
-    let freedom = points.len().saturating_sub(carrier.unknowns()).max(1) as f64;
+    let freedom = points.len().saturating_sub(unknowns).max(1) as f64;
     Some(Fit { carrier, rms: (cost / freedom).sqrt() })
 }
 

@@ -20,6 +20,8 @@ const LOCAL: usize = 40;
 const DRAWS: usize = 16;
 /// Most neighbourhoods of a round.
 const CENTRES: usize = 500;
+/// Most points that a carrier is fitted to before its support is known.
+const SAMPLE: usize = 300;
 /// Most rounds.
 const ROUNDS: usize = 6;
 
@@ -288,10 +290,12 @@ fn settle(
         .collect();
     let mut rms = 0.0;
     for _ in 0..5 {
-        let sample = cloud.positions(&support);
         if support.len() < FEWEST.max(carrier.unknowns() + 5) {
             return None;
         }
+        let step = support.len().div_ceil(SAMPLE).max(1);
+        let some: Vec<u32> = support.iter().copied().step_by(step).collect();
+        let sample = cloud.positions(&some);
         let fit = refine(&carrier, &sample, 15)?;
         (carrier, rms) = (fit.carrier, fit.rms);
         if rms > limit(cloud.sigma, sample.len()) {

@@ -117,11 +117,19 @@ fn add_small(cloud: &Cloud<'_>, regions: &[Region], labels: &[u32], pairs: &mut 
     }
 }
 
+/// Most points of a region that take part in the comparison with another.
+const SAMPLE: usize = 1500;
+
+fn sample(cloud: &Cloud<'_>, points: &[u32]) -> Vec<Point3<f64>> {
+    let step = points.len().div_ceil(SAMPLE).max(1);
+    points.iter().step_by(step).map(|&i| cloud.points[i as usize]).collect()
+}
+
 /// The common carrier of two regions of one type, if the sums of squares of both together do not exceed those of each by more than
 /// noise would: χ² with as many degrees of freedom as there are unknowns.
 fn one_carrier(cloud: &Cloud<'_>, carrier: &Carrier, big: &Region, little: &Region) -> Option<Fit> {
     let other = little.carrier.filter(|c| c.unknowns() == carrier.unknowns())?;
-    let (a, b) = (cloud.positions(&big.points), cloud.positions(&little.points));
+    let (a, b) = (sample(cloud, &big.points), sample(cloud, &little.points));
     let square = |c: &Carrier, points: &[Point3<f64>]| points.iter().map(|x| c.at(x).0.powi(2)).sum::<f64>();
     let own = |c: &Carrier, points: &[Point3<f64>]| {
         refine(c, points, 10).map_or_else(|| square(c, points), |fit| square(&fit.carrier, points))

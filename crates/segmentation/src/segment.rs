@@ -7,14 +7,16 @@ use crate::border::cut;
 use crate::common::share_helix;
 use crate::describe::describe;
 use crate::error::Error;
+use crate::extrude::extrude;
 use crate::graph::Graph;
 use crate::grow::{Cloud, NONE, Region, primitives};
 use crate::jets::{Jets, principal};
 use crate::leftover::propose;
 use crate::merge::merge;
 use crate::options::SegmentationOptions;
+use crate::regular::find_cones;
 use crate::report::Segmentation;
-use crate::smooth::{decide_again, find_sweeps, gather, join};
+use crate::smooth::{decide_again, find_sweeps, gather, gather_bent, join};
 
 /// Fewest points of a cloud.
 const FEWEST: usize = 4;
@@ -103,6 +105,7 @@ fn finish(cloud: &Cloud<'_>, regions: &mut Vec<Region>, labels: &mut [u32], fewe
             gather(cloud, regions, labels);
         }
         merge(cloud, regions, labels, LINKS);
+        extrude(cloud, regions, labels);
         if round >= 1 {
             join(cloud, regions, labels);
         }
@@ -115,8 +118,10 @@ fn finish(cloud: &Cloud<'_>, regions: &mut Vec<Region>, labels: &mut [u32], fewe
     decide_again(cloud, regions);
     cut(cloud, regions, labels);
     refit(cloud, regions, labels, fewest);
+    gather_bent(cloud, regions, labels);
     find_sweeps(cloud, regions);
     share_helix(cloud, regions);
+    find_cones(cloud, regions, labels);
 }
 
 /// Standard deviation of the noise from the regions of many points, by the median.

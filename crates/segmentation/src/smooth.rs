@@ -3,31 +3,67 @@
 //! On a surface that is no primitive, primitives fit piece by piece. The borders between such pieces show neither an edge nor a jump of
 //! curvature, while carriers of a part that meet tangentially differ in curvature: by as much as the smaller one turns.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{Point3, Vector3};
 
 use crate::assign::compact;
 use crate::carrier::Carrier;
 use crate::graph::as_index;
 use crate::grow::{Cloud, NONE, Region};
-use crate::jets::{CLEAN, Jet};
+use crate::jets::{CLEAN, FEW, Jet};
 use crate::merge::adjacency;
-use crate::sweep::decide_sweep;
+use crate::sweep::{Sweep, decide_sweep};
 
 /// Angle in radians between the normals of two carriers at a border beyond which it is an edge.
-const EDGE: f64 = 0.06;
+pub(crate) const EDGE: f64 = 0.06;
 /// Angle in radians by which the curvatures may differ over the width of the smaller piece.
-const BEND: f64 = 0.35;
+pub(crate) const BEND: f64 = 0.35;
 /// Share of the noise (of its lower limit in data without any) below which distances leave no doubt about a carrier.
-const EXACT: f64 = 0.06;
+pub(crate) const EXACT: f64 = 0.06;
 /// Fewest links of a smooth border.
-const LINKS: usize = 6;
+pub(crate) const LINKS: usize = 6;
 /// Fewest points of a smooth region.
 const FEWEST: usize = 30;
 
 /// Connected unlabelled points with clean neighbourhoods become smooth regions.
 pub(crate) fn gather(cloud: &Cloud<'_>, regions: &mut Vec<Region>, labels: &mut [u32]) -> usize {
+    let is_clean = |i: usize| cloud.jets.normals[i].deviation.is_finite();
+    let agrees = |i: usize, j: usize| {
+        cloud.jets.jets[i].as_ref().is_some_and(|jet| {
+            let (d, n, away) = jet.at(&cloud.points[j]);
+            away < 1.5 && d.abs() < 4.0 * cloud.sigma && n.dot(&cloud.jets.normals[j].normal).abs() > 0.94
+        })
+    };
+    gather_where(cloud, regions, labels, is_clean, agrees)
+}
+
+/// Connected unlabelled points whose neighbourhoods are no quadrics, but smooth on the scale of their spacing, become smooth regions:
+/// strips of exact data that bend on this scale.
+pub(crate) fn gather_bent(cloud: &Cloud<'_>, regions: &mut Vec<Region>, labels: &mut [u32]) -> usize {
+    let jet =
+        |i: usize| cloud.jets.jets[i].as_ref().filter(|jet| jet.residual < ROUGH * cloud.graph.spacing[i]);
+    let is_even = |i: usize| jet(i).is_some();
+    let agrees = |i: usize, j: usize| {
+        let (Some(one), Some(other)) = (jet(i), jet(j)) else { return false };
+        let (d, n, away) = one.at(&cloud.points[j]);
+        away < 1.0 && d.abs() < 3.0 * ROUGH * cloud.graph.spacing[i] && n.dot(&other.normal()).abs() > 0.9
+    };
+    gather_where(cloud, regions, labels, is_even, agrees)
+}
+
+/// Residual of a quadric, as a share of the spacing, beyond which a neighbourhood is not smooth: at an edge of 90 degrees it is 0.3.
+const ROUGH: f64 = 0.08;
+
+fn gather_where(
+    cloud: &Cloud<'_>,
+    regions: &mut Vec<Region>,
+    labels: &mut [u32],
+    may_belong: impl Fn(usize) -> bool,
+    agrees: impl Fn(usize, usize) -> bool,
+) -> usize {
     let before = regions.len();
-    let is_free = |labels: &[u32], i: usize| labels[i] == NONE && cloud.jets.normals[i].deviation.is_finite();
+    let is_free = |labels: &[u32], i: usize| labels[i] == NONE && may_belong(i);
     let mut seen = vec![false; labels.len()];
     for start in 0..labels.len() {
         if seen[start] || !is_free(labels, start) {
@@ -41,16 +77,7 @@ pub(crate) fn gather(cloud: &Cloud<'_>, regions: &mut Vec<Region>, labels: &mut 
             k += 1;
             for &j in cloud.graph.around(i) {
                 let j = j as usize;
-                if seen[j] || !is_free(labels, j) {
-                    continue;
-                }
-                let agrees = cloud.jets.jets[i].as_ref().is_some_and(|jet| {
-                    let (d, n, away) = jet.at(&cloud.points[j]);
-                    away < 1.5
-                        && d.abs() < 4.0 * cloud.sigma
-                        && n.dot(&cloud.jets.normals[j].normal).abs() > 0.94
-                });
-                if agrees {
+                if !seen[j] && is_free(labels, j) && agrees(i, j) {
                     seen[j] = true;
                     members.push(as_index(j));
                 }
@@ -80,6 +107,24 @@ fn normal_at(cloud: &Cloud<'_>, region: &Region, own: usize, x: &Point3<f64>) ->
     }
 }
 
+/// Points next to each other on both sides of the borders of regions, by their labels.
+pub(crate) fn border_links(
+    cloud: &Cloud<'_>,
+    labels: &[u32],
+    pairs: &BTreeMap<(u32, u32), usize>,
+) -> BTreeMap<(u32, u32), Vec<(u32, u32)>> {
+    let mut borders: BTreeMap<(u32, u32), Vec<(u32, u32)>> = BTreeMap::new();
+    for i in 0..labels.len() {
+        for &j in cloud.graph.around(i) {
+            let (a, b) = (labels[i], labels[j as usize]);
+            if a < b && a != NONE && b != NONE && pairs.get(&(a, b)).is_some_and(|&c| c >= LINKS) {
+                borders.entry((a, b)).or_default().push((as_index(i), j));
+            }
+        }
+    }
+    borders
+}
+
 /// Joins clusters of pieces with smooth borders; returns the number of clusters.
 pub(crate) fn join(cloud: &Cloud<'_>, regions: &mut Vec<Region>, labels: &mut [u32]) -> usize {
     let pairs = adjacency(cloud, labels);
@@ -91,32 +136,25 @@ pub(crate) fn join(cloud: &Cloud<'_>, regions: &mut Vec<Region>, labels: &mut [u
         }
         k
     }
-    let mut borders: std::collections::BTreeMap<(u32, u32), Vec<(u32, u32)>> =
-        std::collections::BTreeMap::new();
-    for i in 0..labels.len() {
-        for &j in cloud.graph.around(i) {
-            let (a, b) = (labels[i], labels[j as usize]);
-            if a < b && a != NONE && b != NONE && pairs.get(&(a, b)).is_some_and(|&c| c >= LINKS) {
-                borders.entry((a, b)).or_default().push((as_index(i), j));
-            }
-        }
-    }
-    for ((a, b), links) in &borders {
+    for ((a, b), links) in &border_links(cloud, labels, &pairs) {
         let (one, other) = (&regions[*a as usize], &regions[*b as usize]);
         // Planes are no pieces of curved surfaces, and few points make no border.
         let is_plane = |r: &Region| matches!(r.carrier, Some(Carrier::Plane { .. }));
-        // Pieces grow until the noise is exceeded: a carrier whose distances stay far below it is no piece.
-        let is_exact = |r: &Region| r.carrier.is_some() && r.rms < EXACT * cloud.sigma;
+        // Pieces grow until the noise is exceeded: a carrier whose distances stay far below it is no piece, and an extrusion has its own.
+        let is_exact = |r: &Region| {
+            r.carrier.is_some() && r.rms < EXACT * cloud.sigma
+                || r.carrier.is_none() && matches!(r.sweep, Some(Sweep::Extrusion { .. }))
+        };
         let is_few = one.points.len().min(other.points.len()) < FEWEST;
         if is_plane(one) || is_plane(other) || is_exact(one) || is_exact(other) || is_few {
             continue;
         }
-        if is_smooth(cloud, one, other, links) {
+        if is_smooth(cloud, labels, one, other, links) {
             let (x, y) = (root(&mut parent, *a as usize), root(&mut parent, *b as usize));
             parent[x.max(y)] = x.min(y);
         }
     }
-    let mut clusters: std::collections::BTreeMap<usize, Vec<usize>> = std::collections::BTreeMap::new();
+    let mut clusters: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     for k in 0..regions.len() {
         let r = root(&mut parent, k);
         clusters.entry(r).or_default().push(k);
@@ -155,8 +193,24 @@ fn is_mostly_one(regions: &[Region], members: &[usize]) -> bool {
     })
 }
 
+/// The quadric of the nearest point whose neighbourhood lies within its region: one that reaches over a border hides a jump of curvature.
+fn inner_jet<'a>(cloud: &'a Cloud<'_>, labels: &[u32], own: usize) -> Option<&'a Jet> {
+    let label = labels[own];
+    let is_inner = |k: &usize| {
+        labels[*k] == label && cloud.graph.near(*k).iter().take(FEW - 1).all(|&j| labels[j as usize] == label)
+    };
+    let near = cloud.graph.near(own).iter().map(|&k| k as usize);
+    std::iter::once(own).chain(near).find(is_inner).and_then(|k| cloud.jets.jets[k].as_ref())
+}
+
 /// Whether two pieces meet without an edge and without a jump of curvature.
-fn is_smooth(cloud: &Cloud<'_>, one: &Region, other: &Region, links: &[(u32, u32)]) -> bool {
+pub(crate) fn is_smooth(
+    cloud: &Cloud<'_>,
+    labels: &[u32],
+    one: &Region,
+    other: &Region,
+    links: &[(u32, u32)],
+) -> bool {
     let mut turns = Vec::new();
     let mut bends = Vec::new();
     for &(i, j) in links {
@@ -176,6 +230,11 @@ fn is_smooth(cloud: &Cloud<'_>, one: &Region, other: &Region, links: &[(u32, u32
         let t = along / length;
         let step = 0.5 * cloud.graph.spacing[i as usize].max(length * 0.5);
         let bend = |region: &Region, own: u32, n: &Vector3<f64>| {
+            if region.carrier.is_none()
+                && let Some(jet) = inner_jet(cloud, labels, own as usize)
+            {
+                return Some(jet.bend(&t, n));
+            }
             let next = normal_at(cloud, region, own as usize, &(middle + t * step))?;
             let next = if next.dot(n) < 0.0 { -next } else { next };
             Some((next - n).dot(&t) / step)

@@ -4,6 +4,7 @@ mod fast;
 mod funnel;
 mod path;
 mod queue;
+mod sides;
 mod straighten;
 mod window;
 mod windows;

@@ -49,6 +49,11 @@ impl<T> Queue<T> {
         self.heap.push(Waiting { distance, order: self.count, item });
     }
 
+    /// The distance of the next item.
+    pub(super) fn least(&self) -> Option<f64> {
+        self.heap.peek().map(|waiting| waiting.distance)
+    }
+
     pub(super) fn pop(&mut self) -> Option<(f64, T)> {
         self.heap.pop().map(|waiting| (waiting.distance, waiting.item))
     }

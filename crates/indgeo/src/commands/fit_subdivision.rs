@@ -20,7 +20,8 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = AFTER_HELP)]
 pub(crate) struct Args {
-    /// A mesh, whose vertices are fitted, or a cloud together with --init; `-` is standard input
+    /// A mesh, whose vertices are fitted, the signed distances of a body on a grid (.vti), or a cloud together with --init; `-` is standard
+    /// input
     points: PathBuf,
     /// The control mesh: .obj, .ply, .off or .stl; `-` is standard output (OBJ)
     #[arg(long, short, value_name = "OUT")]

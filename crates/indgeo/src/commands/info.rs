@@ -3,13 +3,16 @@
 use super::Outcome;
 use crate::args::Common;
 use crate::cad::{CadModel, Choice};
+use crate::contour::refused;
 use crate::converting_pieces;
 use crate::error::Error;
+use crate::field_model;
 use crate::files;
 use crate::model::{Loaded, kind};
 use crate::report::{Input, Report, Results, Timings};
 use crate::session;
 use industrial_geometry::io::{Content, ReadOptions, ReadReport, Scan, Shape};
+use industrial_geometry::level_set::grid_file::GridFile;
 use industrial_geometry::mesh::nalgebra::Point3;
 use industrial_geometry::mesh::{Attributes, BoundingBox, MeshTopology, TriangleMesh};
 use industrial_geometry::nurbs::{BsplineCurve, BsplineSurface, KnotVector};
@@ -87,6 +90,11 @@ fn facts_of(
         report.add_input(input);
         return Ok(with_path(path, json!({}), more));
     }
+    if field_model::is_grid(path) {
+        let grid = Timings::measure(&mut timings.read, || grid_file(path))?;
+        report.add_input(Input::of_shapes("file", path, "grid", 0));
+        return Ok(with_path(path, json!({ "format": files::extension(path) }), describe_grid(&grid)));
+    }
     if let Some(found) = Timings::measure(&mut timings.read, || converting_pieces::describe(path, options))? {
         told(path, &found.read, report);
         let more = describe_cloud(3, &found.read, found.read.points, &found.attributes, found.bounds);
@@ -95,6 +103,33 @@ fn facts_of(
     let loaded = Timings::measure(&mut timings.read, || files::read(path, options))?;
     told(path, &loaded.report, report);
     Ok(describe(path, &loaded.content, &loaded.report))
+}
+
+/// A grid, whatever its values are.
+fn grid_file(path: &Path) -> Result<GridFile, Error> {
+    GridFile::as_it_is(&files::read_bytes(path)?).map_err(|error| refused(path, &error))
+}
+
+fn describe_grid(grid: &GridFile) -> Value {
+    let finite = || grid.values.iter().copied().filter(|value| value.is_finite());
+    let count = finite().count();
+    let [least, most] =
+        finite().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)]);
+    let place = grid.place.as_ref().map(|[first, spacing]| {
+        let last = grid.counts.iter().zip(first).zip(spacing);
+        let last: Vec<f64> = last.map(|((n, low), step)| low + step * n.saturating_sub(1) as f64).collect();
+        json!({ "min": first, "max": last })
+    });
+    json!({
+        "kind": "grid",
+        "dimension": grid.counts.len(),
+        "nodes": grid.counts,
+        "spacing": grid.place.as_ref().map(|[_, spacing]| spacing),
+        "box": place,
+        "values": (count > 0).then(|| json!({ "min": least, "max": most })),
+        "non_finite": grid.values.len() - count,
+        "negative": finite().filter(|value| *value < 0.0).count(),
+    })
 }
 
 /// Facts behind the path of the file, and some more that come first.
@@ -355,11 +390,15 @@ fn tolerance_line(entry: &Value) -> String {
 
 /// The order in which a person wants to read the facts.
 fn place(name: &str) -> usize {
-    const ORDER: [&str; 15] = [
+    const ORDER: [&str; 19] = [
         "format",
         "kind",
         "dimension",
         "points",
+        "nodes",
+        "spacing",
+        "box",
+        "values",
         "triangles",
         "degree",
         "control_points",

@@ -9,13 +9,14 @@ mod shape;
 use crate::contour::refused;
 use crate::error::Error;
 use crate::files;
+use crate::fitting_input::warn_dropped;
 use crate::progress::Progress;
 use crate::report::{Input, Output, ReadSummary, Report, Results, Timings};
 use crate::wording::counted;
 use industrial_geometry::distance_field::grid::{
     Element, Lattice, Medium, Scene, Seed, carry, march, seeds, seeds_on_faces, sweep,
 };
-use industrial_geometry::io::ReadOptions;
+use industrial_geometry::io::{Content, ReadOptions};
 use industrial_geometry::level_set::Image;
 use industrial_geometry::mesh::MeshProjector;
 use industrial_geometry::mesh::nalgebra::{SVector, Vector2};
@@ -187,6 +188,9 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
     without_targets(job)?;
     report.add_input(Input::new("model", job.shape, &loaded.report));
     report.warnings.extend(loaded.report.warnings.iter().map(|w| format!("{}: {w}", job.shape.display())));
+    if let (Content::Cloud(cloud), lost @ 1..) = (&loaded.content, loaded.report.non_finite) {
+        warn_dropped(job.shape, lost, cloud.len(), report);
+    }
     match Timings::measure(&mut timings.build, || shape::of_content(loaded.content, job.shape, job.signed))? {
         Sides::Plane(shape) => {
             let lattice = lattice::<2>(job, shape.bounds())?;
@@ -245,8 +249,8 @@ fn lattice<const D: usize>(
         None => shape.ok_or_else(|| {
             Error::content(
                 job.shape,
-                "the shape has no extent from which a box would follow",
-                "give one: --box",
+                "the shape has no extent from which a box would follow, or one too large for squares of lengths",
+                "give one: --box, or scale the shape",
             )
         })?,
     };

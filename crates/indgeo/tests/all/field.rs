@@ -109,6 +109,67 @@ fn solids_have_an_inside_with_and_without_a_hole() {
 }
 
 #[test]
+fn grids_are_described() {
+    let bench = Bench::new();
+    bench.put("cube.off", CUBE);
+    bench.put(
+        "walled.json",
+        "{\"domain\":[0,1],\"source\":[0.1,0.1],\"polys\":[[[0.5,-1],[0.6,-1],[0.6,2],[0.5,2]]]}",
+    );
+    assert_eq!(bench.run("field cube.off -o cube.vti --grid 5x6x7 --signed").code, 0);
+    // Nodes behind the wall cannot be reached.
+    assert_eq!(bench.run("field walled.json -o walled.npy --grid 21x21").code, 0);
+    let run = bench.run("info cube.vti walled.npy --json -");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let files = &run.report()["results"];
+    let [cube, walled] = [&files[0], &files[1]];
+    assert_eq!((&cube["kind"], &cube["format"]), (&"grid".into(), &"vti".into()), "{cube}");
+    assert_eq!(cube["nodes"], serde_json::json!([5, 6, 7]));
+    let least = cube["values"]["min"].as_f64().unwrap();
+    assert!(
+        least < 0.0 && cube["negative"].as_u64().unwrap() > 0 && cube["box"]["min"][0].is_f64(),
+        "{cube}"
+    );
+    assert!(walled["non_finite"].as_u64().unwrap() > 50 && walled["box"].is_null(), "{walled}");
+    let run = bench.run("info cube.vti");
+    assert!(run.stdout.contains("5, 6, 7"), "{}", run.stdout);
+    bench.put("cut.vti", &bench.read("cube.vti")[..500]);
+    let run = bench.run("info cut.vti");
+    assert!(run.code == 2 && run.stderr.contains("the file ends"), "{} {}", run.code, run.stderr);
+}
+
+#[test]
+fn subdivision_surfaces_of_fields() {
+    let bench = Bench::new();
+    bench.put("cube.off", CUBE);
+    assert_eq!(bench.run("field cube.off -o cube.vti --grid 17x17x17 --signed").code, 0);
+    let run = bench.run(
+        "fit-subdivision cube.vti -o control.obj --vertices 60 --max-iterations 4 --tolerance 0.2 --json -",
+    );
+    assert!(run.code < 2, "{}{}", run.stdout, run.stderr);
+    let results = &run.report()["results"];
+    assert_eq!(results["start"], "coarsened", "{results}");
+    let [before, after] = ["initial_rms", "rms"].map(|key| results[key].as_f64().unwrap());
+    assert!(after < 0.7 * before && after < 0.1, "{before} {after}");
+    assert!(bench.text("control.obj").lines().filter(|line| line.starts_with("v ")).count() >= 50);
+}
+
+#[test]
+fn points_that_are_left_out_are_told() {
+    let bench = Bench::new();
+    bench.put("points.csv", "x,y,z\n0,0,0\n1,0,0\n0,1,0\nnan,0,0\n");
+    let run = bench.run("field points.csv -o f.npy --grid 5x5x5");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(run.stderr.contains("1 of 4 points"), "{}", run.stderr);
+    bench.put("huge.csv", "x,y,z\n0,0,0\n1e200,0,0\n0,1e200,0\n");
+    let run = bench.run("field huge.csv -o f.npy --grid 5x5x5");
+    assert!(run.code == 2 && run.stderr.contains("too large"), "{} {}", run.code, run.stderr);
+    bench.put("cube.off", CUBE);
+    let run = bench.run("geodesic cube.off --from 0 --metric feature --w 1e300 -o d.csv");
+    assert!(run.code == 2 && run.stderr.contains("--w is 1e300,"), "{} {}", run.code, run.stderr);
+}
+
+#[test]
 fn what_does_not_serve_is_refused() {
     let bench = Bench::new();
     bench.put("points.xyz", "0.2 0.3\n0.8 0.6\n");

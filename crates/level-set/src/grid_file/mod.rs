@@ -37,16 +37,24 @@ impl GridFile {
     /// [`Error::Malformed`] for anything else and for files that end too early, [`Error::TooLarge`], and [`Error::NotFinite`] for values
     /// that are no numbers, such as nodes that cannot be reached.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, Error> {
-        let found = if npy::is_npy(bytes) {
-            npy::read(bytes)?
-        } else if vti::is_vti(bytes) {
-            vti::read(bytes)?
-        } else {
-            return Err(Error::malformed("grid", 0, "neither NPY nor VTI begins like this"));
-        };
+        let found = Self::as_it_is(bytes)?;
         match found.values.iter().position(|value| !value.is_finite()) {
             Some(index) => Err(Error::NotFinite { index, value: found.values[index] }),
             None => Ok(found),
+        }
+    }
+
+    /// The same, whatever the values are: NaN and infinite ones stay.
+    ///
+    /// # Errors
+    /// As [`GridFile::from_bytes`], but for [`Error::NotFinite`].
+    pub fn as_it_is(bytes: &[u8]) -> Result<Self, Error> {
+        if npy::is_npy(bytes) {
+            npy::read(bytes)
+        } else if vti::is_vti(bytes) {
+            vti::read(bytes)
+        } else {
+            Err(Error::malformed("grid", 0, "neither NPY nor VTI begins like this"))
         }
     }
 

@@ -89,7 +89,7 @@ struct Number {
 fn number_of(descr: &str) -> Option<Number> {
     let [order, kind, size] = *descr.as_bytes() else { return None };
     let size = usize::from(size.checked_sub(b'0')?);
-    let is_known = matches!((kind, size), (b'f', 4 | 8) | (b'i' | b'u', 1 | 2 | 4));
+    let is_known = matches!((kind, size), (b'f', 4 | 8) | (b'i' | b'u', 1 | 2 | 4 | 8) | (b'b', 1));
     (is_known && matches!(order, b'<' | b'>' | b'|' | b'=')).then_some(Number {
         size,
         is_big_endian: order == b'>',
@@ -133,6 +133,11 @@ mod tests {
         let shorts: Vec<u8> = [-2i16, 300].iter().flat_map(|k| k.to_be_bytes()).collect();
         let big = file("{'descr': '>i2', 'fortran_order': False, 'shape': (1, 1, 2), }", &shorts);
         assert_eq!(read(&big).unwrap().values, [-2.0, 300.0]);
+        let longs: Vec<u8> = [-5i64, 1 << 40].iter().flat_map(|k| k.to_le_bytes()).collect();
+        let whole = file("{'descr': '<i8', 'fortran_order': False, 'shape': (2, 1), }", &longs);
+        assert_eq!(read(&whole).unwrap().values, [-5.0, f64::from(1u32 << 20) * f64::from(1u32 << 20)]);
+        let mask = file("{'descr': '|b1', 'fortran_order': False, 'shape': (1, 2), }", &[0, 1]);
+        assert_eq!(read(&mask).unwrap().values, [0.0, 1.0]);
     }
 
     #[test]

@@ -4,16 +4,16 @@ use segmentation::nalgebra::{Point3, Vector3};
 use segmentation::{Segmentation, SegmentationOptions, Shape, segment};
 
 /// Uniform numbers in 0..1 from a linear congruential generator (Knuth, MMIX).
-struct Random(u64);
+pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
-    fn next(&mut self) -> f64 {
+    pub(crate) fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / (1u64 << 53) as f64
     }
 
     /// Gaussian in space (Box and Muller).
-    fn noise(&mut self, sigma: f64) -> Vector3<f64> {
+    pub(crate) fn noise(&mut self, sigma: f64) -> Vector3<f64> {
         Vector3::from_fn(|_, _| {
             let (u, v) = (self.next().max(1e-300), self.next());
             sigma * (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * v).cos()
@@ -21,12 +21,12 @@ impl Random {
     }
 }
 
-fn run(points: &[Point3<f64>]) -> Segmentation {
+pub(crate) fn run(points: &[Point3<f64>]) -> Segmentation {
     segment(points, None, &SegmentationOptions::default()).unwrap()
 }
 
 /// Share of the points `from..to` in their most frequent region.
-fn share(found: &Segmentation, from: usize, to: usize) -> (f64, Option<u32>) {
+pub(crate) fn share(found: &Segmentation, from: usize, to: usize) -> (f64, Option<u32>) {
     let labels = &found.labels[from..to];
     let best = labels.iter().max_by_key(|l| labels.iter().filter(|m| m == l).count()).unwrap();
     (labels.iter().filter(|l| *l == best).count() as f64 / labels.len() as f64, *best)
