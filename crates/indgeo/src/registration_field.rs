@@ -31,6 +31,13 @@ pub(crate) struct Fit {
     pub(crate) overlap: f64,
 }
 
+impl Fit {
+    /// Root mean square distance with a limit, as a share of the size of the model.
+    pub(crate) fn typical_distance(&self) -> f64 {
+        NEAR * self.score.sqrt()
+    }
+}
+
 /// The distance from a model.
 pub(crate) enum RegistrationField {
     /// In the plane z = 0.

@@ -1,6 +1,7 @@
 //! What a registration found, for machines.
 
 use crate::inspecting::InspectionResults;
+use crate::registration_elsewhere::Elsewhere;
 use crate::registration_field::Fit;
 use industrial_geometry::register::{
     Covariance, Coverage, FreeSpace, Pose, RegisterReport, StepRecord, Support,
@@ -64,6 +65,8 @@ pub(crate) struct FreeSpaceResult {
 pub(crate) struct Checks {
     pub(crate) coverage: Option<Coverage>,
     pub(crate) free_space: Vec<FreeSpaceResult>,
+    /// A position in which the points fit distinctly better.
+    pub(crate) elsewhere: Option<Elsewhere>,
 }
 
 /// A rotation.

@@ -1,8 +1,10 @@
 //! The starts of a registration: tried with some of the points, ranked, and the best followed with all.
 
 use crate::error::Error;
+use crate::planar_start;
 use crate::progress::Progress;
 use crate::registering::{Cloud, Job};
+use crate::registration_elsewhere::{self as elsewhere, Elsewhere, Look};
 use crate::registration_field::{Extent, Fit, RegistrationField};
 use crate::registration_model::RegistrationModel;
 use crate::registration_report::StartResult;
@@ -58,7 +60,7 @@ pub(crate) struct Try {
 }
 
 impl Try {
-    pub(crate) fn is_good(&self) -> bool {
+    fn is_good(&self) -> bool {
         self.result.is_converged() && !self.floats && self.fit.near >= GOOD_SHARE
     }
 
@@ -80,6 +82,12 @@ impl<'a> Tries<'a> {
     }
 
     pub(crate) fn add(&mut self, origin: &'static str, start: &Pose<3>, extent: Extent) -> Result<(), Error> {
+        let tried = self.attempt(origin, start, extent)?;
+        self.list.push(tried);
+        Ok(())
+    }
+
+    fn attempt(&self, origin: &'static str, start: &Pose<3>, extent: Extent) -> Result<Try, Error> {
         let began = Instant::now();
         let Self { job, field, cloud, progress, .. } = self;
         let some = match extent {
@@ -95,8 +103,83 @@ impl<'a> Tries<'a> {
         let fit = field.compare(&cloud.positions, &result.pose, job.options.scale);
         let floats = self.sights.contradiction(&result.pose).is_some();
         let seconds = began.elapsed().as_secs_f64();
-        self.list.push(Try { origin, start: *start, result, fit, floats, seconds, is_complete });
+        Ok(Try { origin, start: *start, result, fit, floats, seconds, is_complete })
+    }
+
+    /// Which other positions are to be looked at after an end: none where degrees of freedom are locked.
+    fn look_after(&self, result: &RegisterReport<3>) -> Look {
+        let is_on_cloud = matches!(self.model, RegistrationModel::Cloud(_));
+        if self.job.options.locks.any() || !result.is_converged() {
+            Look::Nowhere
+        } else {
+            Look::after(result, is_on_cloud)
+        }
+    }
+
+    /// Whether not all positions need be searched.
+    pub(crate) fn is_good(&self, one: &Try) -> bool {
+        one.is_good() && self.look_after(&one.result) < Look::Everywhere
+    }
+
+    /// Where a search over all positions would start, none if there is none.
+    pub(crate) fn search(&self) -> Result<Vec<Pose<3>>, Error> {
+        let Self { job, model, field, cloud, progress, .. } = self;
+        if matches!(model, RegistrationModel::Curves(_)) {
+            Ok(Vec::new())
+        } else if model.is_planar() {
+            Ok(planar_start::poses(field, &cloud.positions, job.options.scale))
+        } else {
+            search_space(job, model, field, cloud, progress)
+        }
+    }
+
+    fn beside(&self, end: &RegisterReport<3>) -> Vec<Pose<3>> {
+        elsewhere::beside(&self.cloud.positions, end, self.model.is_planar())
+    }
+
+    /// Registers from positions beside the best end as well, if that leaves much unexplained.
+    pub(crate) fn add_beside(&mut self) -> Result<(), Error> {
+        let best = self.best().filter(|best| self.look_after(&best.result) >= Look::Beside);
+        let starts = best.map_or_else(Vec::new, |best| self.beside(&best.result));
+        for start in &starts {
+            self.add("search", start, Extent::Some)?;
+        }
         Ok(())
+    }
+
+    /// A position in which the points fit distinctly better than at an end that leaves much unexplained, or, if `at_all`, better.
+    pub(crate) fn better_than(
+        &self,
+        end: &RegisterReport<3>,
+        at_all: bool,
+    ) -> Result<Option<Elsewhere>, Error> {
+        let look = self.look_after(end);
+        if look == Look::Nowhere {
+            return Ok(None);
+        }
+        let beside = self.elsewhere(&end.pose, &self.beside(end), at_all)?;
+        if beside.is_some() || look == Look::Beside {
+            return Ok(beside);
+        }
+        self.elsewhere(&end.pose, &self.search()?, at_all)
+    }
+
+    /// Where some of the starts lead, if the points fit distinctly better there than at an end.
+    fn elsewhere(&self, end: &Pose<3>, starts: &[Pose<3>], at_all: bool) -> Result<Option<Elsewhere>, Error> {
+        let of = |pose: &Pose<3>| self.field.compare(&self.cloud.positions, pose, self.job.options.scale);
+        let own = of(end);
+        for start in starts {
+            let there = self.attempt("search", start, Extent::Few)?;
+            let least = own.overlap.max(there.fit.overlap);
+            let by_overlap = matches!(self.model, RegistrationModel::Cloud(_)) && least >= LEAST_OVERLAP;
+            let is_better = elsewhere::is_better(&there.fit, &own, by_overlap, at_all);
+            if is_better && there.result.is_converged() && !there.floats {
+                let turn = end.inverse().followed_by(&there.result.pose);
+                let angle = turn.rotation_vector().norm();
+                return Ok(Some(Elsewhere { fits: [own, there.fit], angle, by_overlap }));
+            }
+        }
+        Ok(None)
     }
 
     /// Registers from a position that a search found, unless that leads to where another start led, and with few points first where
@@ -134,7 +217,7 @@ impl<'a> Tries<'a> {
     }
 
     pub(crate) fn last_is_good(&self) -> bool {
-        self.list.last().is_some_and(Try::is_good)
+        self.list.last().is_some_and(|last| self.is_good(last))
     }
 
     /// The start whose result fits best, of those that converged if any did; the first of equals.
@@ -178,7 +261,7 @@ impl<'a> Tries<'a> {
 }
 
 /// The best of all positions in space.
-pub(crate) fn search_space(
+fn search_space(
     job: &Job<'_>,
     model: &RegistrationModel,
     field: &RegistrationField,

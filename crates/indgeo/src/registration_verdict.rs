@@ -2,6 +2,7 @@
 
 use crate::error::Error;
 use crate::registering::Job;
+use crate::registration_elsewhere::Elsewhere;
 use crate::registration_field::RegistrationField;
 use crate::registration_model::RegistrationModel;
 use crate::registration_report::Checks;
@@ -69,6 +70,12 @@ pub(crate) fn warning(result: &RegisterReport<3>, checks: &Checks, job: &Job<'_>
                 found.join("; ")
             ));
         }
+        Some(Doubt::Elsewhere) => {
+            let found = checks.elsewhere.map_or_else(String::new, |elsewhere| elsewhere.to_string());
+            return Some(format!(
+                "the pose is not to be trusted ({support}): {found}: give a start near that (--init), or choose --start global"
+            ));
+        }
         Some(Doubt::FewPoints) => {
             "hardly any points lie on the model: check that both are of the same part and in the same unit (--scale), give a start \
              (--init), or choose --start global"
@@ -98,26 +105,30 @@ fn held_back(support: &Support) -> bool {
 }
 
 /// The result with what model and points say about it besides: how much of the model has points, and, of scans on scans of which it is
-/// known from where they were seen, whether one floats in front of the other. A pose that is contradicted is doubtful.
+/// known from where they were seen, whether one floats in front of the other. A pose that is contradicted is
+/// doubtful, and so is one that fits distinctly worse than another one.
 pub(crate) fn checked(
     model: &RegistrationModel,
     field: &RegistrationField,
     result: RegisterReport<3>,
     points: &[Vector3<f64>],
     sights: &Sights,
+    elsewhere: Option<Elsewhere>,
 ) -> (RegisterReport<3>, Checks) {
-    let mut checks = Checks::default();
-    let RegistrationField::Space(field) = field else { return (result, checks) };
+    let mut checks = Checks { elsewhere, ..Checks::default() };
     if !result.pose.is_finite() || result.status == Status::Cancelled {
         return (result, checks);
     }
-    checks.coverage = model
-        .few_samples()
-        .and_then(|samples| Coverage::of(field.as_ref(), &samples, points, &result.pose, result.limit));
-    checks.free_space = sights.look(&result.pose);
+    if let RegistrationField::Space(field) = field {
+        checks.coverage = model
+            .few_samples()
+            .and_then(|samples| Coverage::of(field.as_ref(), &samples, points, &result.pose, result.limit));
+        checks.free_space = sights.look(&result.pose);
+    }
     let floats = checks.free_space.iter().find_map(|one| one.found.doubt());
     let bare = checks.coverage.and_then(|coverage| coverage.doubt(result.support.share));
-    match floats.or(bare).filter(|_| result.status == Status::Converged) {
+    let better = elsewhere.map(|_| Doubt::Elsewhere);
+    match floats.or(bare).or(better).filter(|_| result.status == Status::Converged) {
         Some(doubt) => {
             let support = Support { doubt: Some(doubt), ..result.support };
             (RegisterReport { status: doubt.status(), support, ..result }, checks)

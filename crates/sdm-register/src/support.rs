@@ -61,6 +61,8 @@ pub enum Doubt {
     Bare,
     /// Points float in front of surfaces that were seen through them: see [`FreeSpace::doubt`](crate::FreeSpace::doubt).
     FreeSpace,
+    /// The distances are more than noise, and the points fit distinctly better in another position, which is none that the start leads to.
+    Elsewhere,
 }
 
 impl Doubt {
@@ -70,9 +72,12 @@ impl Doubt {
         match self {
             Self::FewPoints => Status::NoOverlap,
             Self::Collapsed => Status::Diverged,
-            Self::NoSeparation | Self::LargeDistances | Self::Locks | Self::Bare | Self::FreeSpace => {
-                Status::Doubtful
-            }
+            Self::NoSeparation
+            | Self::LargeDistances
+            | Self::Locks
+            | Self::Bare
+            | Self::FreeSpace
+            | Self::Elsewhere => Status::Doubtful,
         }
     }
 
@@ -87,6 +92,7 @@ impl Doubt {
             Self::Collapsed => "collapsed",
             Self::Bare => "bare",
             Self::FreeSpace => "free_space",
+            Self::Elsewhere => "elsewhere",
         }
     }
 }

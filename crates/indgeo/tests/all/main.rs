@@ -41,4 +41,5 @@ mod scanners;
 mod segment;
 mod selftest;
 mod tessellate;
+mod thin_parts;
 mod thin_walls;
