@@ -54,12 +54,12 @@ fn ends_tilted_through_a_sheet_are_doubted() {
     let bench = Bench::new();
     for (kind, thickness, noise, degrees, axis) in [
         ("plate", 0.03, 0.0, 175.0, [1.0, 0.0, 0.0]),
-        ("bracket", 0.01, 1e-3, 90.0, [0.0, 0.0, 1.0]),
+        ("bracket", 0.01, 1e-3, 180.0, [1.0, -1.0, 0.3]),
         ("blade", 0.03, 1e-3, 180.0, [1.0, -1.0, 0.3]),
     ] {
         let truth = put(&bench, &Scan { kind, thickness, noise, warp: 0.0, degrees, axis });
         let (code, results, said, error) = registered(&bench, &truth, "--start given");
-        if error > 5e-3 {
+        if error > 5e-3 + 1.2 * thickness {
             assert_eq!((code, &results["status"]), (1, &"doubtful".into()), "{kind}: {error} {said}");
             assert!(said.contains("not to be trusted"), "{kind}: {said}");
             if results["support"]["doubt"] == "elsewhere" {
