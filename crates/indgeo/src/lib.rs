@@ -67,6 +67,7 @@ mod registration_model;
 mod registration_near;
 mod registration_page;
 mod registration_report;
+mod registration_runs;
 mod registration_sight;
 mod registration_starts;
 mod registration_step;

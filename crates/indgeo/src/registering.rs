@@ -11,8 +11,9 @@ use crate::registration_model::RegistrationModel;
 use crate::registration_near::{self as near_symmetry, Others};
 use crate::registration_page::{self, Page};
 use crate::registration_report::{self as found, Checks, RegistrationResults, StartResult};
+use crate::registration_runs::{register_all, register_few};
 use crate::registration_sight::Sights;
-use crate::registration_starts::{Tries, Try, register_all, register_few};
+use crate::registration_starts::{Tries, Try};
 use crate::registration_verdict as verdict;
 use crate::report::{Input, ModelSummary, Output, Report, Results, Timings};
 use crate::sampling;
@@ -324,7 +325,10 @@ fn solve(
     }
     let is_given = given.is_some() || matches!(job.start, Start::Given);
     let elsewhere = if is_given { tries.better_than(&result, others.is_taken)? } else { None };
-    let (result, checks) = verdict::checked(model, field, result, &cloud.positions, sights, elsewhere);
+    let mirrored = if elsewhere.is_none() { tries.better_mirrored(&result)? } else { None };
+    let has_another_copy = result.is_converged() && tries.has_another_copy(&result.pose);
+    let found = Checks { elsewhere, mirrored, has_another_copy, ..Checks::default() };
+    let (result, checks) = verdict::checked(model, field, result, &cloud.positions, sights, found);
     Ok(Solution { starts, best, start, result, equivalent, others, checks })
 }
 

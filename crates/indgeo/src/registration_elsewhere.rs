@@ -26,6 +26,10 @@ const AT_ALL: f64 = 0.9;
 const UNEXPLAINED: f64 = 1.5;
 /// How far beside, in root mean square distances: points spread evenly between the sides of a sheet are off by at most 1.7 of them.
 const BESIDE: f64 = 3.5;
+/// Share of the points near the model that are near it in another position, at least, and that are so in both, at most, for these to be
+/// of two copies of the part.
+const AS_MANY: f64 = 0.7;
+const IN_COMMON: f64 = 0.2;
 /// Scores that differ by less do not differ.
 const SAME: f64 = 1e-4;
 /// Overlap of a position over that of the end above which it is distinctly better, where clouds are compared by it.
@@ -42,24 +46,24 @@ pub(crate) struct Elsewhere {
     pub(crate) by_overlap: bool,
 }
 
-impl fmt::Display for Elsewhere {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl Elsewhere {
+    /// By what they fit better there.
+    pub(crate) fn gain(&self) -> String {
         let [end, there] = &self.fits;
-        let degrees = self.angle.to_degrees();
         if self.by_overlap {
             let [here, other] = [end, there].map(|fit| 100.0 * fit.overlap);
-            write!(
-                f,
-                "in another position, turned by {degrees:.1} degrees, {other:.1} % of the points lie on the model instead of {here:.1} %"
-            )
+            format!("{other:.1} % of the points lie on the model instead of {here:.1} %")
         } else {
             let [here, other] = [end, there].map(|fit| 100.0 * fit.typical_distance());
-            write!(
-                f,
-                "in another position, turned by {degrees:.1} degrees, the points are {other:.2} % of the size of the model from it \
-                 instead of {here:.2} %"
-            )
+            format!("the points are {other:.2} % of the size of the model from it instead of {here:.2} %")
         }
+    }
+}
+
+impl fmt::Display for Elsewhere {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let degrees = self.angle.to_degrees();
+        write!(f, "in another position, turned by {degrees:.1} degrees, {}", self.gain())
     }
 }
 
@@ -100,30 +104,78 @@ pub(crate) fn is_better(fit: &Fit, than: &Fit, by_overlap: bool, at_all: bool) -
     }
 }
 
+/// Whether two positions lay about as many points on the model, but other ones: the cloud holds the part twice.
+pub(crate) fn is_another_copy(here: &[bool], there: &[bool]) -> bool {
+    let count = |near: &[bool]| near.iter().filter(|near| **near).count() as f64;
+    let common = here.iter().zip(there).filter(|(one, other)| **one && **other).count() as f64;
+    let own = count(here);
+    count(there) >= AS_MANY * own && common <= IN_COMMON * own
+}
+
+/// Whether an end leaves so much unexplained that the mirror image of the points is to be tried: a part of the other hand fits in most
+/// places, and where it does not its points are left out.
+pub(crate) fn may_be_mirrored(result: &RegisterReport<3>) -> bool {
+    let support = &result.support;
+    let is_unexplained = support.own_noise.is_some_and(|noise| support.relative_rms > UNEXPLAINED * noise);
+    is_unexplained || support.share < LEFT_OUT_BESIDE
+}
+
+/// Moved points, their centre and their principal axes, the thinnest one first; in the plane its axes.
+struct Axes {
+    moved: Vec<Vector3<f64>>,
+    centre: Vector3<f64>,
+    axes: Vec<Vector3<f64>>,
+}
+
+impl Axes {
+    /// `None` without points.
+    fn of(points: &[Vector3<f64>], pose: &Pose<3>, is_planar: bool) -> Option<Self> {
+        let moved: Vec<Vector3<f64>> = points.iter().map(|x| pose.apply(x)).collect();
+        let finite = || moved.iter().filter(|x| x.iter().all(|c| c.is_finite()));
+        let count = finite().count();
+        let centre = finite().sum::<Vector3<f64>>() / count.max(1) as f64;
+        let spread = finite().fold(Matrix3::zeros(), |sum, x| sum + (x - centre) * (x - centre).transpose());
+        if count == 0 || !spread.iter().all(|value| value.is_finite()) {
+            return None;
+        }
+        if is_planar {
+            return Some(Self { moved, centre, axes: vec![Vector3::x(), Vector3::y()] });
+        }
+        let eigen = SymmetricEigen::new(spread);
+        let mut order = [0, 1, 2];
+        order.sort_by(|&i, &j| eigen.eigenvalues[i].total_cmp(&eigen.eigenvalues[j]));
+        let axes = order.map(|k| eigen.eigenvectors.column(k).normalize());
+        Some(Self { moved, centre, axes: axes.to_vec() })
+    }
+}
+
 /// Positions beside an end: the points turned by half a turn about their principal axes, where parts that are flat, or long, come to lie as
 /// well, and shifted along the thinnest one to either side, by a multiple of their root mean square distance.
 pub(crate) fn beside(points: &[Vector3<f64>], end: &RegisterReport<3>, is_planar: bool) -> Vec<Pose<3>> {
     let pose = &end.pose;
-    let moved: Vec<Vector3<f64>> =
-        points.iter().filter(|x| x.iter().all(|c| c.is_finite())).map(|x| pose.apply(x)).collect();
-    let centre = moved.iter().sum::<Vector3<f64>>() / moved.len().max(1) as f64;
-    let spread = moved.iter().fold(Matrix3::zeros(), |sum, x| sum + (x - centre) * (x - centre).transpose());
-    if moved.is_empty() || !spread.iter().all(|value| value.is_finite()) {
-        return Vec::new();
-    }
-    let eigen = SymmetricEigen::new(spread);
-    let axis = |k: usize| if is_planar { Vector3::z() } else { eigen.eigenvectors.column(k).normalize() };
-    let turned = (0..if is_planar { 1 } else { 3 }).map(|k| {
-        let turn = rotation::exponential::<3>(&(axis(k) * PI)).0;
+    let Some(Axes { centre, axes, .. }) = Axes::of(points, pose, is_planar) else { return Vec::new() };
+    let turned = |axis: &Vector3<f64>| {
+        let turn = rotation::exponential::<3>(&(axis * PI)).0;
         pose.followed_by(&Pose { scale: 1.0, rotation: turn, source_origin: centre, target_origin: centre })
-    });
-    // In the plane the thinnest axis is z, which is none.
-    let thinnest = if is_planar { None } else { Some(axis(eigen.eigenvalues.imin())) };
-    let shifted = thinnest.into_iter().flat_map(|axis| {
-        [1.0, -1.0].map(|side| Pose {
-            target_origin: pose.target_origin + axis * (side * BESIDE * end.rms),
-            ..*pose
-        })
-    });
-    shifted.chain(turned).collect()
+    };
+    if is_planar {
+        return vec![turned(&Vector3::z())];
+    }
+    let shifted =
+        |side: f64| Pose { target_origin: pose.target_origin + axes[0] * (side * BESIDE * end.rms), ..*pose };
+    [shifted(1.0), shifted(-1.0)].into_iter().chain(axes.iter().map(turned)).collect()
+}
+
+/// The mirror images of moved points through their centre across each of their principal axes, with what mirrors their directions.
+pub(crate) fn mirror_images(
+    points: &[Vector3<f64>],
+    pose: &Pose<3>,
+    is_planar: bool,
+) -> Vec<(Vec<Vector3<f64>>, Matrix3<f64>)> {
+    let Some(Axes { moved, centre, axes }) = Axes::of(points, pose, is_planar) else { return Vec::new() };
+    let image = |axis: &Vector3<f64>| {
+        let across = Matrix3::identity() - axis * axis.transpose() * 2.0;
+        (moved.iter().map(|x| across * (x - centre) + centre).collect(), across)
+    };
+    axes.iter().map(image).collect()
 }

@@ -67,6 +67,14 @@ pub(crate) struct Checks {
     pub(crate) free_space: Vec<FreeSpaceResult>,
     /// A position in which the points fit distinctly better.
     pub(crate) elsewhere: Option<Elsewhere>,
+    /// Twice the standard deviation of the pose at the corners of the model, where it is large for its size.
+    pub(crate) lever: Option<f64>,
+    /// The size of the model.
+    pub(crate) model_size: f64,
+    /// Whether as many other points lie on the model in another position.
+    pub(crate) has_another_copy: bool,
+    /// How much better the mirror image of the points fits, where it does so distinctly.
+    pub(crate) mirrored: Option<Elsewhere>,
 }
 
 /// A rotation.

@@ -63,6 +63,8 @@ pub enum Doubt {
     FreeSpace,
     /// The distances are more than noise, and the points fit distinctly better in another position, which is none that the start leads to.
     Elsewhere,
+    /// The mirror image of the points fits distinctly better: a part of the other hand, or axes that are left-handed.
+    Mirrored,
 }
 
 impl Doubt {
@@ -77,7 +79,8 @@ impl Doubt {
             | Self::Locks
             | Self::Bare
             | Self::FreeSpace
-            | Self::Elsewhere => Status::Doubtful,
+            | Self::Elsewhere
+            | Self::Mirrored => Status::Doubtful,
         }
     }
 
@@ -93,6 +96,7 @@ impl Doubt {
             Self::Bare => "bare",
             Self::FreeSpace => "free_space",
             Self::Elsewhere => "elsewhere",
+            Self::Mirrored => "mirrored",
         }
     }
 }

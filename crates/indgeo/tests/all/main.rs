@@ -34,6 +34,7 @@ mod partials;
 mod project;
 mod reading;
 mod register;
+mod register_doubts;
 mod register_verdicts;
 mod register_views;
 mod report;
