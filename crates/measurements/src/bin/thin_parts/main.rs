@@ -181,9 +181,9 @@ fn run(setting: &Setting<'_>, program: &Path, folder: &Path, tally: &mut Tally) 
     let is_right = error < near || fits && error < near + 1.5 * setting.thickness;
     let status = usize::from(!output.status.success());
     if is_right {
-        tally.right[status] += 1
+        tally.right[status] += 1;
     } else {
-        tally.wrong[status] += 1
+        tally.wrong[status] += 1;
     }
     if std::env::var_os("TELL").is_some() && is_right == (status == 1) {
         let Setting { kind, thickness, noise, warp, start, .. } = setting;
