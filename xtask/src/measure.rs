@@ -23,7 +23,7 @@ struct Measurement {
 }
 
 /// Programs that run `indgeo`, which has to be built before.
-const RUN_INDGEO: &[&str] = &["two_sided_surfaces"];
+const RUN_INDGEO: &[&str] = &["thin_parts", "two_sided_surfaces"];
 
 /// All measurements, in the order of the report.
 const MEASUREMENTS: &[Measurement] = &[
@@ -75,6 +75,15 @@ const MEASUREMENTS: &[Measurement] = &[
         title: "Registration with outliers and missing parts",
         about: "Default settings, 104 starts of 5 to 60 degrees each.",
         program: "robust_cases",
+        arguments: &[],
+        one_thread: true,
+    },
+    Measurement {
+        name: "registration-verdicts",
+        title: "Verdicts on registrations of thin parts",
+        about: "Plates, shells, brackets and blades of 0.3 to 3 % of their size, scanned from one side, from starts 90 to 180 degrees off; and badly \
+                made ones, near and from anywhere. Wanted: no wrong pose with exit status 0, and no doubt of a badly made part in its place.",
+        program: "thin_parts",
         arguments: &[],
         one_thread: true,
     },

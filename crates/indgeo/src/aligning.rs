@@ -9,11 +9,15 @@ use crate::registration_report::Rotation;
 use crate::report::{Input, Output, ReadSummary, Report, Results, Timings};
 use crate::wording::{counted, not_finite};
 use industrial_geometry::io::{Content, Format, ReadOptions, WriteOptions};
+use industrial_geometry::nurbs::Aabb;
 use industrial_geometry::register::{
-    DatumReport, DatumTarget, Error as RegisterError, align_datum_from_anywhere,
+    DatumReport, DatumTarget, Error as RegisterError, Status, align_datum_from_anywhere,
 };
 use serde::Serialize;
 use std::path::Path;
+
+/// Root mean square residual, as a share of the size of the nominal places, above which the targets do not belong together.
+const MISMATCH: f64 = 0.05;
 
 /// What is to be done.
 #[derive(Debug)]
@@ -129,7 +133,17 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Erro
         let content = counted(written.points, "moved point");
         report.add_output(Output { path: out.to_path_buf(), bytes: written.bytes, content });
     }
-    let results = results(&targets, &found, job.tolerance);
+    let mut results = results(&targets, &found, job.tolerance);
+    let mismatch = mismatch(&targets, &found).filter(|_| job.tolerance.is_none());
+    if let Some(share) = mismatch {
+        results.status = Status::Doubtful.name();
+        report.warnings.push(format!(
+            "{}: the residuals are {:.1} % of the size of the nominal places: the measured points have another shape; check the order of the \
+             targets, the unit, and that both sides are right-handed, or allow the residuals by --tolerance",
+            job.targets.display(),
+            100.0 * share
+        ));
+    }
     if let Some(path) = job.transform {
         let bytes = Timings::measure(&mut report.timings.write, || {
             files::write(path, |out| {
@@ -140,7 +154,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Erro
         report.add_output(Output { path: path.to_path_buf(), bytes, content: "motion".to_owned() });
     }
     let verdict = match results.within_tolerance {
-        _ if !found.status.is_converged() => FitVerdict::NotConverged,
+        _ if !found.status.is_converged() || mismatch.is_some() => FitVerdict::NotConverged,
         Some(false) => FitVerdict::OutOfTolerance,
         _ => FitVerdict::Good,
     };
@@ -179,6 +193,13 @@ fn failed(path: &Path, targets: &[Datum], conditions: &[DatumTarget<3>], error: 
             Error::content(path, other.to_string(), "see `indgeo align --help` for the form of the file")
         }
     }
+}
+
+/// The root mean square residual as a share of the size of the nominal places, where it is so large that the targets do not belong together.
+fn mismatch(targets: &[Datum], found: &DatumReport<3>) -> Option<f64> {
+    let places = || targets.iter().filter(|target| target.weight > 0.0).map(|target| &target.nominal);
+    let size = Aabb::of_points(places()).map_or(0.0, |bounds| bounds.diagonal());
+    (found.rms > MISMATCH * size).then(|| found.rms / size)
 }
 
 fn results(targets: &[Datum], found: &DatumReport<3>, tolerance: Option<f64>) -> AlignmentResults {

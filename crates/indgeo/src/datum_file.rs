@@ -8,6 +8,9 @@ use industrial_geometry::mesh::{Attributes, PointCloud};
 use serde::Deserialize;
 use std::path::Path;
 
+/// Largest coordinate of which sums of squares are finite.
+const LARGEST: f64 = 1e150;
+
 const ADVICE: &str = "see `indgeo align --help` for the form of the file";
 
 /// A measured point and what is known about its place in the model.
@@ -62,6 +65,13 @@ pub(crate) fn read(path: &Path) -> Result<DatumFile, Error> {
                 called(index, &target.name)
             )));
         }
+        let places = target.measured.iter().chain(target.nominal.iter());
+        if let Some(coordinate) = places.copied().find(|c| c.abs() > LARGEST) {
+            let name = called(index, &target.name);
+            return Err(content(format!(
+                "{name} has the coordinate {coordinate:e}, of which no square can be computed"
+            )));
+        }
         if target.weight < 0.0 {
             return Err(content(format!(
                 "{} has the negative weight {}",
@@ -83,7 +93,7 @@ pub(crate) fn called(index: usize, name: &str) -> String {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "an object with `measured` and `nominal`")]
 struct Entry {
     #[serde(default)]
     name: String,

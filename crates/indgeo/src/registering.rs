@@ -4,7 +4,6 @@ use crate::cad::Choice;
 use crate::error::Error;
 use crate::files;
 use crate::moving::moved;
-use crate::planar_start;
 use crate::poses;
 use crate::progress::Progress;
 use crate::registration_field::{Extent, RegistrationField, locks_fit_the_plane};
@@ -12,8 +11,9 @@ use crate::registration_model::RegistrationModel;
 use crate::registration_near::{self as near_symmetry, Others};
 use crate::registration_page::{self, Page};
 use crate::registration_report::{self as found, Checks, RegistrationResults, StartResult};
+use crate::registration_runs::{register_all, register_few};
 use crate::registration_sight::Sights;
-use crate::registration_starts::{Tries, Try, register_all, register_few, search_space};
+use crate::registration_starts::{Tries, Try};
 use crate::registration_verdict as verdict;
 use crate::report::{Input, ModelSummary, Output, Report, Results, Timings};
 use crate::sampling;
@@ -290,20 +290,17 @@ fn solve(
                     tries.complete()?;
                 }
             }
-            let is_done = tries.best().is_some_and(|best| best.is_good() && best.is_complete);
+            let is_done = tries.best().is_some_and(|best| best.is_complete && tries.is_good(best));
             if has_search && !is_done || tries.list.is_empty() {
-                let found = if model.is_planar() {
-                    planar_start::poses(field, &cloud.positions, job.options.scale)
-                } else {
-                    search_space(job, model, field, cloud, progress)?
-                };
-                for pose in &found {
+                for pose in &tries.search()? {
                     tries.add_found(pose)?;
                     if tries.last_is_good() {
                         break;
                     }
                 }
             }
+            tries.complete()?;
+            tries.add_beside()?;
         }
     }
     tries.complete()?;
@@ -312,8 +309,8 @@ fn solve(
         return Err(Error::content(job.points, what, "give a starting pose (--init)"));
     };
     let starts = tries.list.iter().map(Try::summary).collect();
-    let Try { origin, start, result, .. } = tries.list.swap_remove(best);
-    let (mut result, mut equivalent, mut others) = (result, Vec::new(), Others::default());
+    let Try { origin, start, ref result, .. } = tries.list[best];
+    let (mut result, mut equivalent, mut others) = (result.clone(), Vec::new(), Others::default());
     if verdict::may_be_symmetric(model, &result, &job.options) {
         let tolerance = result.covariance.as_ref().map_or(0.0, |covariance| covariance.sigma);
         let from = if origin == "search" { Pose::identity() } else { start };
@@ -326,7 +323,12 @@ fn solve(
             (result, equivalent) = verdict::nearest(&group, result, &from, &cloud.positions, again)?;
         }
     }
-    let (result, checks) = verdict::checked(model, field, result, &cloud.positions, sights);
+    let is_given = given.is_some() || matches!(job.start, Start::Given);
+    let elsewhere = if is_given { tries.better_than(&result, others.is_taken)? } else { None };
+    let mirrored = if elsewhere.is_none() { tries.better_mirrored(&result)? } else { None };
+    let has_another_copy = result.is_converged() && tries.has_another_copy(&result.pose);
+    let found = Checks { elsewhere, mirrored, has_another_copy, ..Checks::default() };
+    let (result, checks) = verdict::checked(model, field, result, &cloud.positions, sights, found);
     Ok(Solution { starts, best, start, result, equivalent, others, checks })
 }
 

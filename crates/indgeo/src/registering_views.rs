@@ -9,6 +9,7 @@ use crate::registering::Start;
 use crate::report::{Input, Output, Report, Results, Timings};
 use crate::scan_views::ViewFile;
 use crate::staging::Staging;
+use crate::summary::plain;
 use crate::views_report::ViewsResults;
 use crate::wording::{counted, not_finite};
 use industrial_geometry::io::{self, Content, Format, ReadOptions, WriteOptions};
@@ -75,6 +76,14 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
     timings.compute = began.elapsed().as_secs_f64();
     drop(progress);
 
+    for pair in found.pairs.iter().filter(|pair| pair.is_doubtful) {
+        let [one, other] = pair.views.map(|view| job.views[view].path.display());
+        report.warnings.push(format!(
+            "{one} and {other} are {} apart where they overlap (rms), much more than the noise of either: they lie on each other wrongly, \
+             or do not show the same part; give other poses (--init), or choose --start global",
+            plain(pair.rms_after)
+        ));
+    }
     let outputs = outputs(job.views, job.out);
     let triples = job.views.iter().zip(&outputs).zip(&loaded);
     let triples = triples.map(|((view, moved), one)| (view.clone(), moved.clone(), one.points));

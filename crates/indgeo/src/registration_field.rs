@@ -6,7 +6,7 @@ use industrial_geometry::nurbs::Aabb;
 use industrial_geometry::register::start::OrientedPoints;
 use industrial_geometry::register::{
     Covariance, Error, FreeMotion, Locks, Pose, RegisterOptions, RegisterReport, Source, StepRecord,
-    register_some, register_with_progress, symmetries_and_near,
+    register_rest, register_some, register_with_progress, symmetries_and_near,
 };
 use std::ops::ControlFlow;
 
@@ -31,6 +31,13 @@ pub(crate) struct Fit {
     pub(crate) overlap: f64,
 }
 
+impl Fit {
+    /// Root mean square distance with a limit, as a share of the size of the model.
+    pub(crate) fn typical_distance(&self) -> f64 {
+        NEAR * self.score.sqrt()
+    }
+}
+
 /// The distance from a model.
 pub(crate) enum RegistrationField {
     /// In the plane z = 0.
@@ -46,6 +53,16 @@ impl RegistrationField {
             Self::Plane(field) => field.bounding_box().diagonal(),
             Self::Space(field) => field.bounding_box().diagonal(),
         }
+    }
+
+    /// The corners of the box around the model.
+    pub(crate) fn corners(&self) -> Vec<Vector3<f64>> {
+        let [low, high] = match self {
+            Self::Plane(field) => [field.bounding_box().min, field.bounding_box().max].map(|x| lifted(&x)),
+            Self::Space(field) => [field.bounding_box().min, field.bounding_box().max],
+        };
+        let corner = |k: usize| Vector3::from_fn(|i, _| if k >> i & 1 == 0 { low[i] } else { high[i] });
+        (0..8).map(corner).collect()
     }
 
     /// Centre of the box around the model.
@@ -69,9 +86,7 @@ impl RegistrationField {
     /// Where the scale is unknown the limit goes by the size of the moved points: in the size of the model, all points of a cloud
     /// that is small enough are near.
     pub(crate) fn compare(&self, points: &[Vector3<f64>], pose: &Pose<3>, scale: bool) -> Fit {
-        let step = points.len().div_ceil(COMPARED).max(1);
-        let finite = points.iter().step_by(step).filter(|x| x.iter().all(|c| c.is_finite()));
-        let moved: Vec<Vector3<f64>> = finite.map(|x| pose.apply(x)).collect();
+        let moved = some_moved(points, pose);
         let bounds = Aabb::of_points(&moved).filter(|_| scale);
         let size = bounds.map_or(self.diagonal(), |bounds| bounds.diagonal());
         let distances = self.distances(&moved);
@@ -85,6 +100,12 @@ impl RegistrationField {
         }
         let count = distances.len().max(1) as f64;
         Fit { score: sum / count, near: near as f64 / count, overlap: (overlap / count).clamp(0.0, 1.0) }
+    }
+
+    /// Which of the points by which poses are compared are near the model.
+    pub(crate) fn near(&self, points: &[Vector3<f64>], pose: &Pose<3>) -> Vec<bool> {
+        let limit = NEAR * self.diagonal();
+        self.distances(&some_moved(points, pose)).iter().map(|distance| *distance < limit).collect()
     }
 
     /// The motions that carry a model in space into itself but for a tolerance, the identity first, and those that nearly do.
@@ -120,7 +141,7 @@ impl RegistrationField {
         source: &Source<'_, 3>,
         start: &Pose<3>,
         options: &RegisterOptions<3>,
-        extent: Extent,
+        extent: Extent<'_>,
         progress: &(dyn Fn(&StepRecord) -> ControlFlow<()> + Sync),
     ) -> Result<Option<RegisterReport<3>>, Error> {
         fn run<const D: usize>(
@@ -128,11 +149,13 @@ impl RegistrationField {
             source: &Source<'_, D>,
             start: &Pose<D>,
             options: &RegisterOptions<D>,
-            extent: Extent,
+            extent: Extent<'_>,
             progress: &(dyn Fn(&StepRecord) -> ControlFlow<()> + Sync),
         ) -> Result<Option<RegisterReport<D>>, Error> {
             match extent {
-                Extent::All => register_with_progress(field, source, start, options, progress).map(Some),
+                Extent::Rest(_) | Extent::All => {
+                    register_with_progress(field, source, start, options, progress).map(Some)
+                }
                 Extent::Some => register_some(field, source, start, options, progress),
                 Extent::Few => {
                     let coarse_points = options.coarse_points.min(FEW);
@@ -146,9 +169,12 @@ impl RegistrationField {
                 }
             }
         }
-        match self {
-            Self::Space(field) => run(field.as_ref(), source, start, options, extent, progress),
-            Self::Plane(field) => {
+        match (self, extent) {
+            (Self::Space(field), Extent::Rest(some)) => {
+                register_rest(field.as_ref(), source, start, some, options, progress).map(Some)
+            }
+            (Self::Space(field), _) => run(field.as_ref(), source, start, options, extent, progress),
+            (Self::Plane(field), _) => {
                 let points: Vec<_> = source.points.iter().map(Vector3::xy).collect();
                 let normals: Option<Vec<_>> = source.normals.map(|all| all.iter().map(Vector3::xy).collect());
                 let source = Source { points: &points, normals: normals.as_deref(), weights: source.weights };
@@ -159,10 +185,19 @@ impl RegistrationField {
     }
 }
 
+/// Some of the points, moved.
+fn some_moved(points: &[Vector3<f64>], pose: &Pose<3>) -> Vec<Vector3<f64>> {
+    let step = points.len().div_ceil(COMPARED).max(1);
+    let finite = points.iter().step_by(step).filter(|x| x.iter().all(|c| c.is_finite()));
+    finite.map(|x| pose.apply(x)).collect()
+}
+
 /// Which points are registered.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Extent {
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Extent<'a> {
     All,
+    /// All, after some of them led to where a report says.
+    Rest(&'a RegisterReport<3>),
     Some,
     Few,
 }

@@ -19,7 +19,7 @@ const TRIED: usize = 12;
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Others {
     /// Whether one of them was better, and taken.
-    is_taken: bool,
+    pub(crate) is_taken: bool,
     /// Those in which the points fit about as well.
     as_good: usize,
 }

@@ -1,6 +1,7 @@
 //! What a registration found, for machines.
 
 use crate::inspecting::InspectionResults;
+use crate::registration_elsewhere::Elsewhere;
 use crate::registration_field::Fit;
 use industrial_geometry::register::{
     Covariance, Coverage, FreeSpace, Pose, RegisterReport, StepRecord, Support,
@@ -64,6 +65,16 @@ pub(crate) struct FreeSpaceResult {
 pub(crate) struct Checks {
     pub(crate) coverage: Option<Coverage>,
     pub(crate) free_space: Vec<FreeSpaceResult>,
+    /// A position in which the points fit distinctly better.
+    pub(crate) elsewhere: Option<Elsewhere>,
+    /// Twice the standard deviation of the pose at the corners of the model, where it is large for its size.
+    pub(crate) lever: Option<f64>,
+    /// The size of the model.
+    pub(crate) model_size: f64,
+    /// Whether as many other points lie on the model in another position.
+    pub(crate) has_another_copy: bool,
+    /// How much better the mirror image of the points fits, where it does so distinctly.
+    pub(crate) mirrored: Option<Elsewhere>,
 }
 
 /// A rotation.

@@ -6,10 +6,14 @@ use crate::registration_field::RegistrationField;
 use crate::registration_model::RegistrationModel;
 use crate::registration_report::Checks;
 use crate::registration_sight::Sights;
-use industrial_geometry::mesh::nalgebra::Vector3;
+use industrial_geometry::mesh::nalgebra::{Matrix3x6, Matrix6, Vector3};
 use industrial_geometry::register::{
     Coverage, Doubt, Pose, RegisterOptions, RegisterReport, Status, Support, is_flat,
 };
+
+/// Uncertainty of the pose at the corners of the model, as a share of its size, that is told, and from which on the pose is open.
+const NOTED: f64 = 0.01;
+const OPEN: f64 = 0.05;
 
 /// The result, unless cloud and model both are clouds in a plane: then nothing fixes the motions in it.
 pub(crate) fn flat(
@@ -30,6 +34,13 @@ pub(crate) fn flat(
 pub(crate) fn warning(result: &RegisterReport<3>, checks: &Checks, job: &Job<'_>) -> Option<String> {
     let (points, model) = (job.points.display(), job.model.display());
     let support = &result.support;
+    if let Some(error) = checks.lever.filter(|_| support.doubt.is_none()) {
+        let share = 100.0 * error / checks.model_size;
+        return Some(format!(
+            "{points} covers so little of {model} that the pose is uncertain by {error:.3} at the far corners of the model, {share:.1} % of \
+             its size (two standard deviations): add points far from each other"
+        ));
+    }
     if result.status == Status::Underdetermined {
         return Some(format!(
             "{points} and {model} lie in a plane each, in which nothing fixes the motion: give a model with some depth, or a profile \
@@ -44,6 +55,12 @@ pub(crate) fn warning(result: &RegisterReport<3>, checks: &Checks, job: &Job<'_>
             return Some(format!(
                 "the locked degrees of freedom keep {points} off {model} by much more than its noise ({support}): lock less, or start \
                  nearer, if that is not what is meant"
+            ));
+        }
+        None if checks.has_another_copy => {
+            return Some(format!(
+                "about as many other points of {points} lie on {model} in another position: the cloud holds the part more than once, and \
+                 this is one of its places; a start (--init) tells which one is meant"
             ));
         }
         None if support.exceeds_noise() && support.relative_rms > 0.005 => {
@@ -67,6 +84,19 @@ pub(crate) fn warning(result: &RegisterReport<3>, checks: &Checks, job: &Job<'_>
                 "the pose is not to be trusted ({support}; {}): what one scan saw through cannot be where the other one has points: \
                  give another start (--init), or choose --start global",
                 found.join("; ")
+            ));
+        }
+        Some(Doubt::Elsewhere) => {
+            let found = checks.elsewhere.map_or_else(String::new, |elsewhere| elsewhere.to_string());
+            return Some(format!(
+                "the pose is not to be trusted ({support}): {found}: give a start near that (--init), or choose --start global"
+            ));
+        }
+        Some(Doubt::Mirrored) => {
+            let found = checks.mirrored.map_or_else(String::new, |mirrored| mirrored.gain());
+            return Some(format!(
+                "the pose is not to be trusted ({support}): the mirror image of {points} fits better, {found}: check which hand the part \
+                 is of, and that the axes of the file are right-handed"
             ));
         }
         Some(Doubt::FewPoints) => {
@@ -98,32 +128,59 @@ fn held_back(support: &Support) -> bool {
 }
 
 /// The result with what model and points say about it besides: how much of the model has points, and, of scans on scans of which it is
-/// known from where they were seen, whether one floats in front of the other. A pose that is contradicted is doubtful.
+/// known from where they were seen, whether one floats in front of the other. A pose that is contradicted is
+/// doubtful, and so is one that fits distinctly worse than another one.
 pub(crate) fn checked(
     model: &RegistrationModel,
     field: &RegistrationField,
     result: RegisterReport<3>,
     points: &[Vector3<f64>],
     sights: &Sights,
+    others: Checks,
 ) -> (RegisterReport<3>, Checks) {
-    let mut checks = Checks::default();
-    let RegistrationField::Space(field) = field else { return (result, checks) };
+    let mut checks = others;
     if !result.pose.is_finite() || result.status == Status::Cancelled {
         return (result, checks);
     }
-    checks.coverage = model
-        .few_samples()
-        .and_then(|samples| Coverage::of(field.as_ref(), &samples, points, &result.pose, result.limit));
-    checks.free_space = sights.look(&result.pose);
+    if let RegistrationField::Space(field) = field {
+        checks.coverage = model
+            .few_samples()
+            .and_then(|samples| Coverage::of(field.as_ref(), &samples, points, &result.pose, result.limit));
+        checks.free_space = sights.look(&result.pose);
+    }
     let floats = checks.free_space.iter().find_map(|one| one.found.doubt());
     let bare = checks.coverage.and_then(|coverage| coverage.doubt(result.support.share));
-    match floats.or(bare).filter(|_| result.status == Status::Converged) {
+    let better = checks.elsewhere.map(|_| Doubt::Elsewhere);
+    let better = better.or(checks.mirrored.map(|_| Doubt::Mirrored));
+    // Where a part differs from its model its distances say little about the pose.
+    if result.status == Status::Converged && !result.support.exceeds_noise() {
+        (checks.lever, checks.model_size) = (lever(field, &result), field.diagonal());
+    }
+    match floats.or(bare).or(better).filter(|_| result.status == Status::Converged) {
         Some(doubt) => {
             let support = Support { doubt: Some(doubt), ..result.support };
             (RegisterReport { status: doubt.status(), support, ..result }, checks)
         }
+        None if checks.lever.is_some_and(|error| error > OPEN * checks.model_size) => {
+            (RegisterReport { status: Status::Underdetermined, ..result }, checks)
+        }
         None => (result, checks),
     }
+}
+
+/// Twice the standard deviation of the pose at that corner of the model where it is largest, if it is large for the size of the model.
+fn lever(field: &RegistrationField, result: &RegisterReport<3>) -> Option<f64> {
+    let covariance = result.covariance.as_ref().filter(|covariance| covariance.rows.len() >= 6)?;
+    let matrix = Matrix6::from_fn(|i, j| covariance.rows[i][j]);
+    let variance = |corner: &Vector3<f64>| {
+        let arm = corner - covariance.origin;
+        let moves = Matrix3x6::from_fn(|i, j| {
+            if j < 3 { f64::from(u8::from(i == j)) } else { Vector3::ith(j - 3, 1.0).cross(&arm)[i] }
+        });
+        (moves * matrix * moves.transpose()).symmetric_eigenvalues().max()
+    };
+    let error = 2.0 * field.corners().iter().map(variance).fold(0.0, f64::max).sqrt();
+    (error > NOTED * field.diagonal()).then_some(error)
 }
 
 /// Whether it makes sense to look for poses that the model does not tell apart, or hardly.

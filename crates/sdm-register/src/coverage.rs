@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, Point2, Point3, SymmetricEigen, Vector3};
 use std::fmt;
 
 /// Most points of the scan, and most samples of the model, that are looked at.
-const POINTS: usize = 20_000;
+const POINTS: usize = 8000;
 const SAMPLES: usize = 6000;
 /// Distance, in spacings of samples or points, within which a sample has points, and depth that hides one behind others.
 const NEAR: f64 = 3.0;

@@ -6,6 +6,7 @@ use crate::covariance::Residuals;
 use crate::iterate::{Outcome, Problem, fewest};
 use crate::linearise::NormalSystem;
 use crate::noise_fixed::noise_share;
+use crate::one_sided;
 use crate::solve::Scaled;
 use crate::source::Prepared;
 use crate::support::{Circumstances, Support};
@@ -95,8 +96,14 @@ impl<const D: usize> Problem<'_, D> {
             return None;
         }
         let freedom = self.chart.freedom(&view.pose);
-        let tangent = freedom.reduce(&system.tangent);
+        let mut tangent = freedom.reduce(&system.tangent);
         let length = cloud.diagonal * view.pose.scale * 0.5;
+        let given = self.options.null_tolerance;
+        let scaled = Scaled::new(&tangent, &freedom.is_translation, length, given);
+        let ends = (length, given);
+        if let Some(other) = one_sided::without(outcome, cloud, &freedom, &terms, (&tangent, &scaled), ends) {
+            tangent = other;
+        }
         let at = |tolerance: f64| Scaled::new(&tangent, &freedom.is_translation, length, tolerance);
         let mut tolerance = self.options.null_tolerance;
         let mut scaled = at(tolerance);

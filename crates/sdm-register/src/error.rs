@@ -14,6 +14,16 @@ pub enum Error {
         /// Points needed.
         needed: usize,
     },
+    /// A coordinate whose square is not finite.
+    #[error(
+        "point {index} has the coordinate {value:e}, of which no square can be computed: leave it out, or give the points in another unit"
+    )]
+    TooLarge {
+        /// The first such point.
+        index: usize,
+        /// Its largest coordinate.
+        value: f64,
+    },
     /// Points with coordinates that are not finite, where they are to be refused.
     #[error("point {index} is not finite, the first of {count}; drop such points or allow it by the options")]
     NotFinite {

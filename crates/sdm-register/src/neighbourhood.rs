@@ -19,6 +19,13 @@ pub(crate) fn plane_deviation<const D: usize>(points: &[SVector<f64, D>]) -> Opt
     median(planes(&some).iter().map(|plane| plane.deviation).collect())
 }
 
+/// How far points deviate from smooth surfaces through their neighbours, after thinning, the median; `None` of too few points.
+pub(crate) fn own_noise<const D: usize>(points: &[SVector<f64, D>]) -> Option<f64> {
+    let step = points.len().div_ceil(SAMPLE).max(1);
+    let some: Vec<Point<f64, D>> = points.iter().step_by(step).map(|x| (*x).into()).collect();
+    median(planes(&some).iter().map(|plane| plane.roughness).collect())
+}
+
 /// The normals of planes through the neighbours of each point, of either side; 0 where the neighbours are not flat. Empty if there
 /// are too few points.
 pub(crate) fn plane_normals<const D: usize>(points: &[SVector<f64, D>]) -> Vec<SVector<f64, D>> {

@@ -15,7 +15,7 @@ use std::ops::ControlFlow;
 const SURE_SHARE: f64 = 0.9;
 const SURE_RMS: f64 = 1e-3;
 /// Most points whose distances in the starting pose are computed: far from the shape each takes long, and no decision depends on them.
-const ELSEWHERE: usize = 4000;
+const ELSEWHERE: usize = 1000;
 
 /// A progress callback that does nothing.
 ///
@@ -50,7 +50,33 @@ pub fn register_with_progress<const D: usize>(
     progress: Progress<'_>,
 ) -> Result<RegisterReport<D>, Error> {
     let cloud = prepared(source, start, options)?;
-    run(field, cloud, start, options, progress, source.points.len())
+    run(field, cloud, [start, start], options, progress, source.points.len())
+}
+
+/// [`register_with_progress`] of all points after [`register_some`]: the iteration goes on at the end of that, and its steps count.
+///
+/// # Errors
+/// As for [`register`].
+pub fn register_rest<const D: usize>(
+    field: &dyn DistanceField<D>,
+    source: &Source<'_, D>,
+    start: &Pose<D>,
+    some: &RegisterReport<D>,
+    options: &RegisterOptions<D>,
+    progress: Progress<'_>,
+) -> Result<RegisterReport<D>, Error> {
+    // What came to no end may have gone astray.
+    if !some.status.is_converged() || !some.pose.is_finite() {
+        return register_with_progress(field, source, start, options, progress);
+    }
+    let cloud = prepared(source, start, options)?;
+    let rest = run(field, cloud, [start, &some.pose], options, progress, source.points.len())?;
+    Ok(RegisterReport {
+        iterations: some.iterations + rest.iterations,
+        evaluations: some.evaluations + rest.evaluations,
+        history: some.history.iter().chain(&rest.history).copied().collect(),
+        ..rest
+    })
 }
 
 /// [`register_with_progress`] with some of the points alone, evenly picked: those with which the registration of all begins. `None`
@@ -70,7 +96,7 @@ pub fn register_some<const D: usize>(
     let cloud = prepared(source, start, options)?;
     let Some(some) = cloud.coarse(options.coarse_points) else { return Ok(None) };
     let count = some.points.len();
-    run(field, some, start, options, progress, count).map(Some)
+    run(field, some, [start, start], options, progress, count).map(Some)
 }
 
 /// The points that take part, of valid input.
@@ -84,19 +110,21 @@ fn prepared<const D: usize>(
     if start.is_finite() { Ok(cloud) } else { Err(Error::NotAMotion { deviation: f64::NAN }) }
 }
 
+/// Registers from a start; the iteration begins at the second pose, which is the start, or where some of the points led from there.
 fn run<const D: usize>(
     field: &dyn DistanceField<D>,
     cloud: Prepared<D>,
-    start: &Pose<D>,
+    [start, begin]: [&Pose<D>; 2],
     options: &RegisterOptions<D>,
     progress: Progress<'_>,
     points: usize,
 ) -> Result<RegisterReport<D>, Error> {
-    let start = start.with_source_origin(cloud.centre);
+    let is_begun = start != begin;
+    let [start, begin] = [start, begin].map(|pose| pose.with_source_origin(cloud.centre));
     let (dropped, taking_part) = (cloud.dropped, cloud.points.len());
     let chart = Chart::new(options.locks, options.scale, start);
     let problem = Problem { field, chart: &chart, options, progress };
-    let from = if options.scale { best_scale(&problem, &cloud, &start) } else { start };
+    let from = if options.scale && !is_begun { best_scale(&problem, &cloud, &start) } else { begin };
     let mut plan = Plan::new(&problem, cloud);
     let view = plan.first_view(from);
     if view.frames.iter().all(|frame| !frame.is_finite()) {

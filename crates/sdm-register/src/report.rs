@@ -38,8 +38,8 @@ pub struct RegisterReport<const D: usize> {
     pub status: Status,
     /// Root mean square distance of the points that count, with their weights.
     pub rms: f64,
-    /// The same of the same points, with the same weights, in the starting pose; where they are more than 20,000, of at most so many
-    /// that are evenly picked.
+    /// The same of the same points, with the same weights, in the starting pose; of more than 1000, of about so many that are evenly
+    /// picked.
     pub initial_rms: f64,
     /// What the points that count say about the pose, and why it is not believed where it is not.
     pub support: Support,

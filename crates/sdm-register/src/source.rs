@@ -8,6 +8,14 @@ use nalgebra::{Point, SVector};
 
 /// Width of the points as a share of their length below which they count as collinear.
 const COLLINEAR: f64 = 1e-9;
+/// Largest coordinate of which sums of squares are finite.
+const LARGEST: f64 = 1e150;
+
+/// The first point with a coordinate that is too large for sums of squares.
+pub(crate) fn too_large<const D: usize>(points: &[SVector<f64, D>]) -> Option<Error> {
+    let value = |x: &SVector<f64, D>| x.iter().copied().find(|c| c.is_finite() && c.abs() > LARGEST);
+    points.iter().enumerate().find_map(|(index, x)| Some(Error::TooLarge { index, value: value(x)? }))
+}
 
 /// The points that are to be moved onto a shape, with what is known about them.
 #[derive(Clone, Copy, Debug)]
@@ -78,6 +86,9 @@ impl<const D: usize> Prepared<D> {
             source.weights.and_then(|w| w.iter().position(|&w| !w.is_finite() || w < 0.0).map(|i| (i, w[i])));
         if let Some((index, value)) = bad_weight {
             return Err(Error::Weight { index, value });
+        }
+        if let Some(error) = too_large(source.points) {
+            return Err(error);
         }
         let finite = |i: &usize| source.points[*i].iter().all(|c| c.is_finite());
         let weighs = |i: &usize| source.weights.is_none_or(|w| w[*i] > 0.0);
@@ -215,6 +226,8 @@ mod tests {
         let nan = Vector3::new(0.0, f64::NAN, 0.0);
         assert!(matches!(error(&[nan; 9]), Error::TooFewPoints { total: 9, finite: 0, .. }));
         assert!(matches!(error(&[Vector3::new(1.0, 2.0, 3.0); 9]), Error::Collinear { .. }));
+        let large = error(&[Vector3::zeros(), Vector3::new(1.0, -1e300, 0.0), Vector3::x(), Vector3::y()]);
+        assert_eq!(large, Error::TooLarge { index: 1, value: -1e300 });
         let line: Vec<_> = (0..50)
             .map(|i| Vector3::new(1e6, -3.0, 2.0) + Vector3::new(0.3, 0.1, -0.2) * f64::from(i))
             .collect();

@@ -61,6 +61,10 @@ pub enum Doubt {
     Bare,
     /// Points float in front of surfaces that were seen through them: see [`FreeSpace::doubt`](crate::FreeSpace::doubt).
     FreeSpace,
+    /// The distances are more than noise, and the points fit distinctly better in another position, which is none that the start leads to.
+    Elsewhere,
+    /// The mirror image of the points fits distinctly better: a part of the other hand, or axes that are left-handed.
+    Mirrored,
 }
 
 impl Doubt {
@@ -70,9 +74,13 @@ impl Doubt {
         match self {
             Self::FewPoints => Status::NoOverlap,
             Self::Collapsed => Status::Diverged,
-            Self::NoSeparation | Self::LargeDistances | Self::Locks | Self::Bare | Self::FreeSpace => {
-                Status::Doubtful
-            }
+            Self::NoSeparation
+            | Self::LargeDistances
+            | Self::Locks
+            | Self::Bare
+            | Self::FreeSpace
+            | Self::Elsewhere
+            | Self::Mirrored => Status::Doubtful,
         }
     }
 
@@ -87,6 +95,8 @@ impl Doubt {
             Self::Collapsed => "collapsed",
             Self::Bare => "bare",
             Self::FreeSpace => "free_space",
+            Self::Elsewhere => "elsewhere",
+            Self::Mirrored => "mirrored",
         }
     }
 }

@@ -211,7 +211,8 @@ model. `indgeo merge` of the sums of all tiles writes the pose that follows, whi
 
 With several starts each is reported (`starts`); the one that leaves the least distance counts.
 Status: converged; doubtful (the iteration converged, but the points do not speak for the pose: `support` has the numbers and the
-reason); no_overlap (hardly any points lie on the model); underdetermined (points and model are clouds in a plane each);
+reason); no_overlap (hardly any points lie on the model); underdetermined (points and model are clouds in a plane each, or
+the points cover too little of the model to fix its far corners);
 max_iterations, stalled, diverged. docs/when-not-to-trust-a-registration.md explains them. Of poses that a symmetric model does not
 tell apart the one nearest to the start is taken, and all are listed (`equivalent_poses`).
 Exit status 0: converged; 1: any other status (files are written nevertheless); 2: bad input or usage; 130: interrupted.

@@ -141,3 +141,35 @@ fn what_does_not_serve_is_refused_with_the_reason() {
     let run = bench.run(&format!("align open.json {model} -o moved.ply"));
     assert!(run.code == 2 && run.stderr.contains("NURBS"), "{}", run.stderr);
 }
+
+#[test]
+fn points_of_another_shape_are_no_alignment() {
+    let bench = Bench::new();
+    let nominal = [[0, 0, 0], [10, 0, 0], [0, 20, 0], [3, 4, 5], [7, 2, 1]];
+    let targets = |of: fn([i32; 3]) -> [i32; 3]| {
+        let one = |x: [i32; 3]| format!("{{\"measured\": {:?}, \"nominal\": {x:?}}}", of(x));
+        format!("{{\"targets\": [{}]}}", nominal.map(one).join(", "))
+    };
+    for (of, what) in [(|[x, y, z]| [-x, y, z], "mirrored"), (|x: [i32; 3]| x.map(|c| 2 * c), "doubled")]
+        as [(fn([i32; 3]) -> [i32; 3], &str); 2]
+    {
+        bench.put("targets.json", targets(of));
+        let run = bench.run("align targets.json --transform t.json");
+        assert_eq!(run.code, 1, "{what}: {}", run.stdout + &run.stderr);
+        assert!(run.stderr.contains("the measured points have another shape"), "{what}: {}", run.stderr);
+        // Whoever states what is allowed is believed.
+        assert_eq!(bench.run("align targets.json --transform t.json -t 100").code, 0, "{what}");
+    }
+    bench.put("targets.json", targets(|x| x));
+    assert_eq!(bench.run("align targets.json --transform t.json").code, 0);
+    bench.put("targets.json", "{\"targets\": [{\"measured\": [1e200, 0, 0], \"nominal\": [0, 0, 0]}]}");
+    let run = bench.run("align targets.json --transform t.json");
+    assert!(run.code == 2 && run.stderr.contains("has the coordinate 1e200"), "{}", run.stderr);
+    bench.put("targets.json", "[1, 2]");
+    let run = bench.run("align targets.json --transform t.json");
+    assert!(
+        run.code == 2 && run.stderr.contains("an object with `measured` and `nominal`"),
+        "{}",
+        run.stderr
+    );
+}

@@ -11,6 +11,8 @@ use super::matching::{Matches, Rules, find};
 use super::report::{PairReport, ViewReport, ViewsReport, ViewsStatus, ViewsStep};
 use super::system::System;
 use super::view::{Prepared, View};
+use crate::neighbourhood::own_noise;
+use crate::source::too_large;
 use crate::start::Placement;
 use crate::{Error, Pose};
 
@@ -24,6 +26,10 @@ const COARSE_MOTION: f64 = 2e-4;
 
 /// Motions below this share of the standard error of the mean distance are not worth another step.
 const NEGLIGIBLE: f64 = 0.1;
+
+/// Root mean square distance of two views, as a share of their size and in units of their own noise, above which their places are doubted.
+const DOUBTFUL: f64 = 0.005;
+const DISAGREEING: f64 = 3.0;
 
 /// Distances beyond this multiple of their median absolute value do not count (Tukey's constant times 1.48), and never
 /// less than this share of the diagonal, the noise of rounding.
@@ -78,6 +84,9 @@ pub fn register_views_from(
 fn check(views: &[View]) -> Result<(), Error> {
     for (index, view) in views.iter().enumerate() {
         let name = || format!("view {index}");
+        if let Some(error) = too_large(view.points()) {
+            return Err(error.of(name()));
+        }
         let found = view.points().len();
         if found < FEWEST {
             let error = Error::TooFewPoints { total: found + view.dropped(), finite: found, needed: FEWEST };
@@ -265,6 +274,7 @@ impl<'a> Run<'a> {
         let matched: usize = after.iter().map(|matches| matches.list.len()).sum();
         let known = status != ViewsStatus::NoOverlap && system.free_motions() == 0;
         let covariances = if known { system.covariances(matched) } else { None };
+        let given = views;
         let reports = (0..views.len()).map(|index| ViewReport {
             pose: self.poses[index].to_pose(&self.centres[index], &self.centre, self.scale),
             // Twists in the scaled frame: translations are in units of the scale.
@@ -281,17 +291,21 @@ impl<'a> Run<'a> {
         let pair_reports = pairs.iter().filter(|[i, j]| i < j).filter_map(|&[i, j]| {
             let (there, back) = (of(&after, i, j)?, of(&after, j, i)?);
             let (earlier_there, earlier_back) = (of(&before, i, j)?, of(&before, j, i)?);
+            let rms_after = rms(&[&there, &back]) * self.scale;
             Some(PairReport {
+                is_doubtful: is_doubtful([&given[i], &given[j]], rms_after),
                 views: [i, j],
                 overlap: [share_of(&there), share_of(&back)],
                 count: there.list.len() + back.list.len(),
                 rms_before: rms(&[&earlier_there, &earlier_back]) * self.scale,
-                rms_after: rms(&[&there, &back]) * self.scale,
+                rms_after,
             })
         });
+        let pairs: Vec<PairReport> = pair_reports.collect();
+        let is_doubtful = status == ViewsStatus::Converged && pairs.iter().any(|pair| pair.is_doubtful);
         ViewsReport {
-            status,
-            pairs: pair_reports.collect(),
+            status: if is_doubtful { ViewsStatus::Doubtful } else { status },
+            pairs,
             views,
             components: self.components,
             centre: self.centre,
@@ -299,6 +313,14 @@ impl<'a> Run<'a> {
             history: self.history,
         }
     }
+}
+
+/// Whether views that overlap are much farther apart than their own points explain.
+fn is_doubtful(views: [&View; 2], rms: f64) -> bool {
+    let size = |view: &View| view.bounding_box().map_or(0.0, |bounds| bounds.diagonal());
+    let large = DOUBTFUL * size(views[0]).max(size(views[1]));
+    let noise = |view: &View| own_noise(view.points()).unwrap_or(f64::INFINITY);
+    rms > large && rms > DISAGREEING * noise(views[0]).max(noise(views[1]))
 }
 
 fn share_of(matches: &Matches) -> f64 {

@@ -21,6 +21,9 @@ pub enum ViewsStatus {
     /// The overlaps let some views move freely (planes, spheres, cylinders); along those motions they stayed where they
     /// were.
     Underdetermined,
+    /// The iteration converged, but some views that overlap are much farther apart than their own noise:
+    /// [`PairReport::is_doubtful`] says which.
+    Doubtful,
     /// The limit on iterations was reached first.
     MaxIterations,
     /// The caller cancelled; the poses are those reached so far.
@@ -42,6 +45,7 @@ impl ViewsStatus {
             Self::Disconnected => "disconnected",
             Self::NoOverlap => "no_overlap",
             Self::Underdetermined => "underdetermined",
+            Self::Doubtful => "doubtful",
             Self::MaxIterations => "max_iterations",
             Self::Cancelled => "cancelled",
         }
@@ -84,6 +88,10 @@ pub struct PairReport {
     pub rms_before: f64,
     /// The same at the end.
     pub rms_after: f64,
+    /// Whether that is more than 0.5 % of the size of the larger view, and more than three times the noise that both views show among
+    /// their own points: where the two lie on each other wrongly, or show parts of another shape.
+    #[cfg_attr(feature = "serde", serde(rename = "doubtful"))]
+    pub is_doubtful: bool,
 }
 
 /// One step of all views.

@@ -8,6 +8,7 @@ mod common;
 mod correlated;
 mod covariance;
 mod coverage;
+mod ends;
 mod laws;
 mod motions;
 mod noise;

@@ -5,6 +5,7 @@
 pub(crate) mod inputs;
 pub(crate) mod known;
 pub(crate) mod schema;
+pub(crate) mod sheets;
 
 use serde_json::Value;
 use std::fs;
