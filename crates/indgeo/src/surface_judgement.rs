@@ -11,7 +11,7 @@ use std::path::Path;
 /// points.
 const ALIKE: f64 = 0.5;
 /// Standard deviations of the distances beyond which a point is not met, if it is farther than others are apart, too.
-const WILD: f64 = 6.0;
+pub(crate) const WILD: f64 = 6.0;
 
 /// Number and share of the points from which on those that were left out and lie together are a part of the data that is missed, if one of them is far
 /// from the surface, and share of all points that may be left out.

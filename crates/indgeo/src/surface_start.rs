@@ -3,15 +3,15 @@
 use crate::report::Report;
 use crate::surface_conclusion::{concluded, diagonal, in_crowds};
 use crate::surface_finish::{HARMLESS, extended, finished};
-use crate::surface_judgement::Judgement;
+use crate::surface_judgement::{Judgement, WILD};
 use crate::wording::counted;
 use industrial_geometry::cloud_param::{
     Error as ParameterError, FinishOutcome, FitOptions, Parameterisation, ParameteriseOptions,
     ParameteriseReport, Shape, consistent, finish_options, fit_parameters, parameterise,
 };
 use industrial_geometry::fit::{
-    BaseShape, Error, Folds, Progress, Robust, Smoothing, Status, SurfaceDistances, SurfaceOptions,
-    SurfaceReport, fit_cloud_with_progress, fit_surface_with_progress,
+    BaseShape, Error, Folds, Progress, Robust, Smoothing, Status, SurfaceCoverage, SurfaceDistances,
+    SurfaceOptions, SurfaceReport, fit_cloud_with_progress, fit_surface_with_progress,
 };
 use industrial_geometry::nurbs::BsplineSurface;
 use industrial_geometry::nurbs::nalgebra::Vector3;
@@ -27,6 +27,8 @@ const SMALL: f64 = 1e-4;
 const LESS: f64 = 0.85;
 const MOST_CHOSEN: usize = 4000;
 const PER_CONTROL: usize = 4;
+/// Share of the points far away that more of them must leave at most otherwise.
+const FEWER_FAR: f64 = 0.5;
 /// Share of the distance before that a surface on which the points lie exactly leaves at most.
 const EXACT: f64 = 0.05;
 /// Control points up to which the data are asked for the smoothing, and those of which it is taken for more.
@@ -231,30 +233,45 @@ fn over_base_surface(
     if chosen || options.abs_tolerance.is_some() {
         return Ok(best);
     }
-    // More control points, as long as what is left of the distances is not noise and they make it much less.
+    // More control points, as long as what is left of the distances is not noise, in the mean and everywhere, and they make it much less.
     let diagonal = diagonal(points);
+    let mut leaves = what_is_left(points, &best.0, options.fit.robust)?;
     loop {
         let left = best.1.fit.rms;
-        let is_noise = |surface: &BsplineSurface| -> Result<bool, Error> {
-            Ok(SurfaceDistances::of(surface, points, options.fit.robust)?.disagreement >= NOISE)
-        };
         size.controls = size.controls.map(|n| n + n.div_ceil(2));
         let unknowns = size.controls[0] * size.controls[1];
         if left <= SMALL * diagonal
             || unknowns > MOST_CHOSEN
             || PER_CONTROL * unknowns > points.len()
             || best.1.fit.status == Status::Cancelled
-            || is_noise(&best.0)?
+            || leaves.is_noise && leaves.far == 0
         {
             return Ok(best);
         }
         let next = fitted_over(points, &found, &options.with_size(size), progress)?;
         let is_good = next.1.folds.count() <= best.1.folds.count() && next.1.fit.status != Status::Cancelled;
-        if !is_good || next.1.fit.rms > LESS * left {
+        let then = what_is_left(points, &next.0, options.fit.robust)?;
+        let is_less = next.1.fit.rms <= LESS * left || (then.far as f64) < FEWER_FAR * leaves.far as f64;
+        if !is_good || !is_less {
             return Ok(best);
         }
-        best = next;
+        (best, leaves) = (next, then);
     }
+}
+
+/// What a surface leaves of the distances of points.
+struct Left {
+    /// Whether neighbours have nothing in common.
+    is_noise: bool,
+    /// Points that count and are farther away than noise would leave one of them: a detail that the surface does not resolve.
+    far: usize,
+}
+
+fn what_is_left(points: &[Vector3<f64>], surface: &BsplineSurface, robust: Robust) -> Result<Left, Error> {
+    let found = SurfaceDistances::of(surface, points, robust)?;
+    let limit = WILD * SurfaceCoverage::noise_of(&found.distances);
+    let far = found.distances.iter().zip(&found.weights).filter(|(d, w)| **w > 0.0 && **d > limit).count();
+    Ok(Left { is_noise: found.disagreement >= NOISE, far })
 }
 
 /// The surface of a size with the parameters of a base surface.
