@@ -5,13 +5,15 @@ use crate::surface_judgement::Judgement;
 use crate::surface_start::{Found, NOISE, Refusal, Start};
 use industrial_geometry::cloud_param::{Error as ParameterError, consistent, crowded, resolution};
 use industrial_geometry::fit::{
-    Folds, Robust, SurfaceCoverage, SurfaceDistances, SurfaceOptions, SurfaceReport, cut_to_feet, measurable,
-    surface_frames,
+    Folds, Robust, Status, SurfaceCoverage, SurfaceDistances, SurfaceOptions, SurfaceReport, cut_to_feet,
+    measurable, surface_frames,
 };
 use industrial_geometry::footpoint::SurfaceProjector;
 use industrial_geometry::nurbs::BsplineSurface;
 use industrial_geometry::nurbs::nalgebra::Vector3;
 
+/// Last step, and distance that is left, in spacings, of a surface that goes on moving but resolves the points.
+const AT_REST: f64 = 0.01;
 /// Largest distance of a point, in spacings, from a surface that is right, where the distances are not those of noise.
 const VERIFIED: f64 = 0.25;
 
@@ -118,6 +120,10 @@ pub(crate) fn concluded(
     let is_near = coverage.is_complete()
         && (report.fit.max <= VERIFIED * coverage.spacing || is_noise && judgement.is_clean());
     start.doubtful &= !(is_near && report.folds.count() == 0);
+    let last = report.fit.history.last().map_or(f64::INFINITY, |step| step.displacement);
+    if report.fit.status == Status::MaxIterations && last.max(report.fit.rms) <= AT_REST * coverage.spacing {
+        report.fit.status = Status::Converged;
+    }
     report.coverage = Some(coverage);
     Ok((surface, report, start))
 }

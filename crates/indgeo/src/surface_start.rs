@@ -40,8 +40,6 @@ const VANISHING: [f64; 2] = [1e-6, 0.1];
 const ROUGH: f64 = 1.0;
 /// How often outliers are told anew by the surface without them.
 const ROUNDS: usize = 3;
-/// Last step, and distance that is left, in spacings, of a surface that goes on moving but resolves the points.
-const AT_REST: f64 = 0.01;
 
 /// A fitted surface, how it went, and where it began.
 pub(crate) type Found = (BsplineSurface, SurfaceReport, Start);
@@ -371,12 +369,6 @@ fn fitted_over(
         }
         (done.surface, report)
     };
-    let last = report.fit.history.last().map_or(f64::INFINITY, |step| step.displacement);
-    if report.fit.status == Status::MaxIterations
-        && last.max(report.fit.rms) <= AT_REST * found.report.spacing
-    {
-        report.fit.status = Status::Converged;
-    }
     report.controls = [surface.knots_u().distinct_count(), surface.knots_v().distinct_count()];
     report.folds = Folds::of(&surface);
     report.base = Some(base);

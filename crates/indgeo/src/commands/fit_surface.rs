@@ -104,7 +104,7 @@ those of all finite points, whether they were used or not.
 
 Exit status 0: the tolerance holds, or, without one, the iteration converged, and every part of the surface is near points; 1: it does not
 hold, the iteration did not converge, or the surface folds, does not follow the points, leaves some of them out, has parts farther from
-all points than three times their spacing (or noise, or the tolerance) within its loops, or the points are of no kind that is known (the surface is
+all points than 2.5 times their spacing (3 times noise or tolerance) within its loops, or the points are of no kind that is known (the surface is
 written nevertheless); 2: bad input or usage, as points that are not of the kind that was asked for, or not one surface; 130:
 interrupted.
 

@@ -76,6 +76,60 @@ fn outliers_are_recognised_before_they_bend_the_surface() {
 }
 
 #[test]
+fn corners_of_points_without_noise_are_no_outliers() {
+    let bench = Bench::new();
+    let mut number_of = 0;
+    bench.put(
+        "corner.xyz",
+        cloud(1260, 67, |next| {
+            number_of += 1;
+            if number_of > 1200 {
+                return [12.0 * next() - 6.0, 12.0 * next() - 6.0, 4.0 * next() - 1.0];
+            }
+            let (u, v) = (next(), next());
+            let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+            let (x, y) = (10.0 * u - 5.0, 10.0 * v - 5.0);
+            [x, y, 0.03 * (x * x + 0.5 * y * y)]
+        }),
+    );
+    let run = bench.run("fit-surface corner.xyz -o s.json --outliers automatic --json -");
+    assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+    let found = results(&run);
+    // A triangle of the area 50, a little more for its curvature; its corners are where the fewest points are.
+    let area = number(&found["coverage"]["area"]);
+    assert!((49.0..54.0).contains(&area) && number(&found["rms"]) < 1e-3, "{area} {}", found["rms"]);
+}
+
+#[test]
+fn steep_and_slanted_ends_belong_to_the_surface() {
+    use std::f64::consts::{PI, TAU};
+    let bench = Bench::new();
+    let half = cloud(1500, 68, |next| {
+        let (a, height) = (PI * next(), 8.0 * next());
+        [3.0 * a.cos(), 3.0 * a.sin(), height]
+    });
+    let slanted = cloud(2000, 69, |next| {
+        // As many for each area.
+        loop {
+            let (a, height) = (TAU * next(), 9.0 * next());
+            if height <= 7.0 + 2.0 * a.cos() {
+                return [2.0 * a.cos(), 2.0 * a.sin(), height];
+            }
+        }
+    });
+    for (points, expected, is_trimmed) in [(half, 24.0 * PI, false), (slanted, 28.0 * PI, true)] {
+        bench.put("tube.xyz", points);
+        let run = bench.run("fit-surface tube.xyz -o s.json --json -");
+        assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+        let found = results(&run);
+        let area = number(&found["coverage"]["area"]);
+        assert!((area - expected).abs() < 0.06 * expected, "{area} of {expected}");
+        assert!(number(&found["max"]) < 0.05, "{}", found["max"]);
+        assert_eq!(bench.text("s.json").contains("\"trim\""), is_trimmed);
+    }
+}
+
+#[test]
 fn smoothing_acts() {
     let bench = Bench::new();
     bench.put(

@@ -288,7 +288,7 @@ mod tests {
     fn a_half_without_data_is_told() {
         let found = SurfaceCoverage::of_surface(&rectangle(), &grid(1.0), 0.0, None).unwrap();
         assert!(!found.is_complete());
-        // The far edge is 1 away from the points; what is farther than three spacings from them begins there.
+        // The far edge is 1 away from the points; what is farther than the limit from them begins there.
         assert!((found.max - 1.0).abs() < 0.02, "{found}");
         let expected = 1.0 - found.limit;
         assert!((found.area_without_data - expected).abs() < 0.05, "{found:?}");
