@@ -71,7 +71,7 @@ fn finished_with(
     progress: Progress<'_>,
 ) -> Result<(SurfaceFit, FinishReport), ParameterError> {
     if !matches!(options.fit.robust, Robust::Kernel { abs_scale: None, .. }) {
-        return Ok(finish_fit_with_progress(points, counts, least_squares, options, progress)?);
+        return finish_fit_with_progress(points, counts, least_squares, options, progress);
     }
     let mut harmless = HARMLESS;
     let scale = |fit: &SurfaceFit, counts: &[bool], harmless: f64| -> Result<(f64, bool), ParameterError> {
