@@ -142,16 +142,19 @@ impl Picture {
     }
 
     /// Box of the measured points.
+    #[cfg(any(feature = "html", test))]
     pub(crate) fn bounds(&self) -> Option<&BoundingBox> {
         self.bounds.as_ref()
     }
 
     /// Points with finite coordinates that were offered.
+    #[cfg(any(feature = "html", test))]
     pub(crate) fn finite(&self) -> u64 {
         self.finite
     }
 
     /// The sample by ascending index.
+    #[cfg(any(feature = "html", test))]
     pub(crate) fn sample(&self) -> Vec<&Shown> {
         let mut all: Vec<&Shown> = self.shown.iter().collect();
         if all.len() > self.most {
