@@ -124,7 +124,9 @@ fn outline(
     let whole = CloudIndex::new(&places)?.nearest_many(&data);
     let lost = |k: usize| {
         let [now, before] = [back[k], whole[k]].map(|n| n.map_or(f64::INFINITY, |n| n.distance()));
-        now > coverage.limit && before <= coverage.limit
+        // What noise takes a point off the surface is no way along it.
+        let along = (now * now - before * before).max(0.0).sqrt();
+        now > coverage.limit && before <= coverage.limit && (along > radius || now.is_infinite())
     };
     let most = if outliers { STRAY * data.len() as f64 } else { 0.0 };
     let lost = (0..data.len()).filter(|&k| lost(k)).count();
