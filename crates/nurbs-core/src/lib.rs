@@ -5,6 +5,8 @@
 //! needs at a parameter comes out of one evaluation, the *jet* (point, first and second derivatives):
 //! see [`ParametricCurve`] and [`ParametricSurface`].
 //!
+//! Interpolation, least squares, skinning, sweeping and degree reduction need a sparse solver: feature `fit`.
+//!
 //! ```
 //! use nurbs_core::{BsplineCurve, KnotVector, ParametricCurve};
 //! use nalgebra::Vector2;
@@ -38,6 +40,7 @@ mod interval;
 mod jet;
 mod knot_ops;
 mod knots;
+#[cfg(feature = "fit")]
 pub mod linear;
 pub mod magnitude;
 mod measure;
@@ -62,10 +65,9 @@ pub use curve::BsplineCurve;
 pub use differential::{FirstForm, FrenetFrame, PrincipalFrame, SecondForm};
 pub use direction::Direction;
 pub use error::Error;
-pub use fit::{
-    CurveFitOptions, Fitted, GridOptions, ParameterMethod, SurfaceFitOptions, closed_parameters,
-    gauss_legendre, grid_parameters, parameters,
-};
+#[cfg(feature = "fit")]
+pub use fit::{CurveFitOptions, Fitted, GridOptions, SurfaceFitOptions};
+pub use fit::{ParameterMethod, closed_parameters, gauss_legendre, grid_parameters, parameters};
 pub use interval::Interval;
 pub use jet::{CurveJet, SurfaceJet};
 pub use knots::{KnotVector, MAX_DEGREE};
@@ -78,3 +80,8 @@ pub use surface::BsplineSurface;
 pub use tessellate::{Polyline, Tessellation, TessellationOptions};
 pub use traits::{Break, CurveFn, ParametricCurve, ParametricSurface, SurfaceFn};
 pub use trim_loops::TrimLoops;
+
+/// The example of the README, compiled as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -11,19 +11,23 @@
 //! | a curve carried along a path by a moving frame | [`sweep`] | within a tolerance |
 //! | any number of sections (lofting) | [`skin`] | interpolates the sections |
 //!
-//! Curves may be rational; those that have to fit together are given a common degree and common knots.
+//! Sweeping and skinning need the feature `fit`. Curves may be rational; those that have to fit together are given a common degree and common knots.
 
 mod compatible;
 mod coons;
 mod frames;
 mod revolve;
 mod simple;
+#[cfg(feature = "fit")]
 mod skin;
+#[cfg(feature = "fit")]
 mod sweep;
 
 pub use coons::coons;
 pub use frames::{PathFrame, rotation_minimizing_frames};
 pub use revolve::revolve;
 pub use simple::{bilinear, extrude, ruled, translate_along};
+#[cfg(feature = "fit")]
 pub use skin::{skin, skin_at};
+#[cfg(feature = "fit")]
 pub use sweep::{Sweep, SweepOptions, sweep};

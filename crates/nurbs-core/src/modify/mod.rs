@@ -5,6 +5,8 @@
 
 mod affine;
 mod degree;
+#[cfg(feature = "fit")]
+mod degree_reduction;
 mod derivative;
 mod iso;
 mod join;

@@ -225,7 +225,7 @@ impl<'a> Unrolled<'a> {
 
 /// Largest length, over the points of a row, of the numerator that a change `delta` of homogeneous
 /// coordinates leaves: `|δ_wp − c δ_w|` for every point `c` of the ball around the shape.
-fn deviation(rows: &ControlRows, delta: &[f64], centre: &[f64], radius: f64) -> f64 {
+pub(super) fn deviation(rows: &ControlRows, delta: &[f64], centre: &[f64], radius: f64) -> f64 {
     let norm = |values: &mut dyn Iterator<Item = f64>| values.map(|v| v * v).sum::<f64>().sqrt();
     let points = delta.chunks_exact(rows.point);
     points
@@ -238,16 +238,4 @@ fn deviation(rows: &ControlRows, delta: &[f64], centre: &[f64], radius: f64) -> 
             }
         })
         .fold(0.0, |a, b| if b.is_nan() { f64::INFINITY } else { f64::max(a, b) })
-}
-
-/// Bound of the distance of two shapes on the same knots at equal parameters.
-pub(super) fn distance_bound(a: &ControlRows, b: &ControlRows) -> f64 {
-    let (centre, radius) = b.bounds(0..b.count());
-    let delta: Vec<f64> = a.data.iter().zip(&b.data).map(|(x, y)| x - y).collect();
-    let error = deviation(a, &delta, &centre, radius);
-    if !a.rational {
-        return error;
-    }
-    let least = a.data.chunks_exact(a.point).map(|h| h[a.point - 1]).fold(f64::INFINITY, f64::min);
-    if least > 0.0 { error / least } else { f64::INFINITY }
 }
