@@ -35,6 +35,7 @@ pub mod local;
 mod options;
 mod projector;
 mod status;
+mod tolerance;
 
 pub use error::Error;
 pub use facing::Facing;
@@ -42,3 +43,12 @@ pub use footpoint::{CurveFootpoint, SurfaceFootpoint};
 pub use options::{Mode, ProjectionOptions, UpdateOptions};
 pub use projector::{CurveFeet, CurveProjector, Progress, SurfaceFeet, SurfaceProjector, no_progress};
 pub use status::{Location, Multiplicity, Status};
+
+// The crates whose types occur in the interface of this one.
+pub use nalgebra;
+pub use nurbs_core;
+
+/// The example of the README, compiled as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

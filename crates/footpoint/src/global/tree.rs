@@ -1,6 +1,7 @@
 //! A tree of axis-aligned boxes with eight children per node, tested eight at a time (best first as in \[JC98\]).
 
-use super::lanes::{Lanes, WIDTH};
+use crate::global::arithmetic::lanes::{Lanes, WIDTH};
+use nalgebra::Vector3;
 
 /// Marks a child that is a leaf; the other bits are the index of the item.
 const LEAF: u32 = 1 << 31;
@@ -149,6 +150,27 @@ fn split<'a, const D: usize>(boxes: &[Bounds<D>], items: &'a mut [u32]) -> Vec<&
         groups = next;
     }
     groups
+}
+
+pub(crate) fn bounds(points: &[Vector3<f64>]) -> Bounds<3> {
+    let mut low = Vector3::repeat(f64::INFINITY);
+    let mut high = -low;
+    for p in points {
+        low = low.inf(p);
+        high = high.sup(p);
+    }
+    [low.into(), high.into()]
+}
+
+/// Largest side of the box around all boxes.
+pub(crate) fn extent(boxes: &[Bounds<3>]) -> f64 {
+    (0..3)
+        .map(|d| {
+            let low = boxes.iter().map(|b| b[0][d]).fold(f64::INFINITY, f64::min);
+            let high = boxes.iter().map(|b| b[1][d]).fold(f64::NEG_INFINITY, f64::max);
+            high - low
+        })
+        .fold(0.0, f64::max)
 }
 
 #[cfg(test)]

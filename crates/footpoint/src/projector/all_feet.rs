@@ -1,9 +1,9 @@
 //! All feet of a point: every local minimum of the distance within a factor of the least one.
 
-use crate::global::all_feet_line::{APART, Harvest};
+use crate::global::curve::all_feet_line::{APART, Harvest};
+use crate::global::curve::piece::PieceSet;
 use crate::global::gap::Gap;
-use crate::global::patch::PatchSet;
-use crate::global::piece::PieceSet;
+use crate::global::surface::patch::PatchSet;
 use crate::global::tree::Bounds;
 use crate::{CurveFootpoint, Error, Multiplicity, ProjectionOptions, SurfaceFootpoint};
 use nalgebra::{SVector, Vector3};

@@ -1,7 +1,7 @@
 //! Many points at once: coherent order, threads (the only file that knows `rayon`).
 
 use super::Progress;
-use crate::global::simd::vectorized;
+use crate::global::arithmetic::simd::vectorized;
 use nalgebra::SVector;
 use rayon::prelude::*;
 use std::cmp::Ordering;

@@ -1,10 +1,10 @@
 //! Where on a curve a footpoint lies, and whether there are others.
 
-use super::classify::{FLAT, NO_GAIN, ORTHOGONAL, ORTHOGONAL_FLOOR, SAME_POINT, STANDSTILL};
+use crate::global::curve::piece::PieceSet;
+use crate::global::curve::scratch::{CurveFoot, CurveScratch};
+use crate::global::curve::sides::CurveWalk;
 use crate::global::gap::Gap;
-use crate::global::piece::PieceSet;
-use crate::global::search_curve::{CurveFoot, CurveScratch};
-use crate::global::sides_curve::CurveWalk;
+use crate::tolerance::{FLAT, NO_GAIN, ORTHOGONAL, ORTHOGONAL_FLOOR, SAME_POINT, STANDSTILL};
 use crate::{CurveFootpoint, Location, Multiplicity, Status};
 use nalgebra::SVector;
 

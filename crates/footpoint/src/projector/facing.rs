@@ -4,10 +4,11 @@
 //! are listed, and the limit grows until one of them agrees or nothing of the model is left beyond. The list is proven to
 //! hold every minimum, so that the answer is certified among the feet that count.
 
-use super::classify::{SAME_POINT, outward};
-use crate::global::descend::Foot;
+use super::classify::outward;
 use crate::global::gap::Gap;
-use crate::global::patch::PatchSet;
+use crate::global::surface::foot::Foot;
+use crate::global::surface::patch::PatchSet;
+use crate::tolerance::SAME_POINT;
 use crate::{Facing, ProjectionOptions, Status, SurfaceFootpoint};
 use nalgebra::Vector3;
 

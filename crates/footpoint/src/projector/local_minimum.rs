@@ -3,12 +3,12 @@
 //! Every patch or piece around the place, and at a pole every parameter line, has a say: the distance must not
 //! decrease into any of them, neither by its slope nor, where this vanishes, by its curvature.
 
-use super::classify::{FLAT, ON_BORDER, ORTHOGONAL, ORTHOGONAL_FLOOR, SAME_POINT, STANDSTILL};
-use crate::global::descend::Foot;
-use crate::global::patch::PatchSet;
-use crate::global::piece::PieceSet;
-use crate::global::polish::flattest;
-use crate::global::search_curve::CurveFoot;
+use crate::global::curve::piece::PieceSet;
+use crate::global::curve::scratch::CurveFoot;
+use crate::global::surface::foot::Foot;
+use crate::global::surface::patch::PatchSet;
+use crate::global::surface::polish::flattest;
+use crate::tolerance::{FLAT, ON_BORDER, ORTHOGONAL, ORTHOGONAL_FLOOR, SAME_POINT, STANDSTILL};
 use nalgebra::{SVector, Vector3};
 
 /// Relative decrease of the squared distance that is not a rounding error.

@@ -3,9 +3,9 @@
 use super::batch;
 use super::curve::CurveProjector;
 use super::surface::{Sets, SurfaceProjector, with_set};
-use crate::global::geometry::Geometry;
-use crate::global::newton_lanes::{Outcome, Walker};
-use crate::global::simd::{Simd, Task, dispatch};
+use crate::global::arithmetic::simd::{Simd, Task, dispatch};
+use crate::global::surface::geometry::Geometry;
+use crate::global::surface::newton_lanes::{Outcome, Walker};
 use crate::{CurveFootpoint, Error, SurfaceFootpoint, UpdateOptions};
 use nalgebra::{SVector, Vector3};
 
