@@ -74,3 +74,12 @@ pub use turntable::{
     estimate_axis,
 };
 pub use visibility::{Sharpness, View, Visibility, visible_points};
+
+// The crates whose types occur in the interface of this one.
+pub use nurbs_core;
+pub use sdm_fit;
+
+/// The example of the README, compiled as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

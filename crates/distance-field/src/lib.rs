@@ -101,3 +101,15 @@ pub use search::{Hint, Search};
 pub use spread::{Spread, quantile_in_place};
 pub use surface::SurfaceField;
 pub use term::ErrorTerm;
+
+// The crates whose types occur in the interface of this one.
+pub use brep_core;
+pub use footpoint;
+pub use mesh_core;
+pub use nalgebra;
+pub use nurbs_core;
+
+/// The example of the README, compiled as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -56,14 +56,21 @@ impl ErrorTerm {
         }
     }
 
-    /// The quadratic model of `d²` that this term takes at a frame.
+    /// The weight of each axis of a frame: 1 for the normal and directions in which the foot cannot move.
     #[must_use]
-    pub fn model<const D: usize>(self, frame: &PrincipalFrame<D>) -> QuadraticModel<D> {
+    #[inline]
+    pub fn weights<const D: usize>(self, frame: &PrincipalFrame<D>) -> SVector<f64, D> {
         let mut weights = SVector::repeat(1.0);
         for i in 0..frame.tangent_dimension.min(D) {
             weights[i] = self.tangent_weight(frame.distance, frame.curvatures[i]);
         }
-        QuadraticModel { foot: frame.foot, axes: frame.axes, weights }
+        weights
+    }
+
+    /// The quadratic model of `d²` that this term takes at a frame.
+    #[must_use]
+    pub fn model<const D: usize>(self, frame: &PrincipalFrame<D>) -> QuadraticModel<D> {
+        QuadraticModel { foot: frame.foot, axes: frame.axes, weights: self.weights(frame) }
     }
 
     /// The name used in files and options: `point`, `tangent`, `squared_distance`, …

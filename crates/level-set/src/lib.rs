@@ -44,3 +44,15 @@ pub use contour::{contours, signed_area};
 pub use error::Error;
 pub use fit::{FitOptions, FittedContour, fit_contours};
 pub use image::{Image, Inside, write_png};
+
+// The crates whose types occur in the interface of this one.
+pub use distance_field;
+pub use mesh_core;
+pub use nalgebra;
+pub use nurbs_core;
+pub use sdm_fit;
+
+/// The example of the README, compiled as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

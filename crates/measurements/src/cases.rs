@@ -2,7 +2,7 @@
 
 use nalgebra::{SVector, Vector2};
 use nurbs_core::{BsplineCurve, KnotVector};
-use sdm_fit::StepRecord;
+use sdm_fit::FitStep;
 use std::error::Error;
 
 /// Ticks of the clock in `/proc` per second.
@@ -42,7 +42,7 @@ pub fn start(path: &str) -> Outcome<BsplineCurve<2>> {
 }
 
 /// One iteration in a line.
-pub fn step_line(step: &StepRecord) -> String {
+pub fn step_line(step: &FitStep) -> String {
     format!(
         "    {:3} λ {:.1e} rms {:.6} max {:.4} cost {:.4e} moved {:.1e} factor {:.3} feet found {}",
         step.iteration,

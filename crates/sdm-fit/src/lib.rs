@@ -38,13 +38,13 @@ mod options;
 mod parallel;
 mod polish;
 pub mod primitive;
+mod rational;
 mod report;
 pub mod ruled;
 mod shape;
 mod simd;
 mod smoothing;
 mod spacing;
-mod status;
 pub mod subdivision;
 mod surface;
 mod target;
@@ -57,10 +57,10 @@ pub use coverage_surface::{PieceWithData, SurfaceCoverage, data_outline};
 pub use curve::ActiveCurve;
 pub use error::Error;
 pub use iterate::{Progress, fit, fit_with_progress, no_progress};
-pub use options::{FitOptions, FootpointPolicy, Robust, Smoothing, StepControl};
-pub use report::{FitReport, Fitted, StepRecord};
+pub use options::{FitOptions, Smoothing};
+pub use report::{FitReport, FitStep, Fitted};
+pub use sdm_core::{FootpointPolicy, Robust, Status, StepControl};
 pub use shape::{ActiveShape, CellGram, CellTable, Penalty};
-pub use status::Status;
 pub use surface::{
     ActiveSurface, BaseShape, Folds, InitialSurface, NetSize, SurfaceCost, SurfaceDistances, SurfaceFit,
     SurfaceOptions, SurfaceReport, cut_to_feet, fit_cloud, fit_cloud_with_progress, fit_surface,
@@ -68,3 +68,15 @@ pub use surface::{
     residual_disagreement, surface_costs, surface_frames, with_controls,
 };
 pub use target::Target;
+
+// The crates whose types occur in the interface of this one.
+pub use distance_field;
+pub use mesh_core;
+pub use nalgebra;
+pub use nurbs_core;
+pub use sdm_core;
+
+/// The example of the README, compiled as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -1,7 +1,8 @@
 //! Options of a fit.
 
 use crate::Error;
-use distance_field::{ErrorTerm, Kernel};
+use distance_field::ErrorTerm;
+use sdm_core::{FootpointPolicy, Robust, StepControl};
 
 /// How the factor `λ` of the smoothing energy is chosen (\[P05, eq. (7)\], with the mean in place of the sum).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,53 +44,6 @@ impl Default for Smoothing {
     fn default() -> Self {
         Self::Automatic { start: 1e-2, factor: 0.5 }
     }
-}
-
-/// How the length of steps is controlled.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
-pub enum StepControl {
-    /// Full steps, whatever they do.
-    None,
-    /// Steps are shortened until they lower the cost enough (Armijo's rule).
-    #[default]
-    Armijo,
-    /// Displacements are damped until the cost falls (Levenberg and Marquardt; Tikhonov's regularisation of the step).
-    LevenbergMarquardt,
-}
-
-/// What is assumed about samples that do not belong to the shape.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
-pub enum Robust {
-    /// There are none.
-    #[default]
-    None,
-    /// A kernel weighs them down.
-    Kernel {
-        /// The kernel.
-        kernel: Kernel,
-        /// Its scale; by default [`Kernel::tuning`] times the spread of the distances, in each iteration.
-        abs_scale: Option<f64>,
-    },
-    /// The given share of the samples, those that are furthest in each iteration, does not count.
-    Trimmed {
-        /// In `[0, 1)`.
-        outliers: f64,
-    },
-}
-
-/// How footpoints are found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
-pub enum FootpointPolicy {
-    /// The nearest point of all, each time.
-    Global,
-    /// From the last footpoints while the shape moves little, with a global search every few iterations and at the end.
-    #[default]
-    Adaptive,
-    /// Always from the last footpoints: data stay on the branch on which they are.
-    Local,
 }
 
 /// What a fit does.

@@ -2,7 +2,7 @@
 
 use crate::iterate::{Progress, fit_with_progress};
 use crate::shape::ActiveShape;
-use crate::{Constraints, Error, FitOptions, Fitted, Smoothing, Status, StepRecord, Target};
+use crate::{Constraints, Error, FitOptions, FitStep, Fitted, Smoothing, Status, Target};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -54,8 +54,8 @@ pub(crate) fn polished<const D: usize, S: ActiveShape<D>>(
     }
     let count = before.report.history.len();
     let is_cancelled = AtomicBool::new(false);
-    let tell = |step: &StepRecord| {
-        if progress(&StepRecord { iteration: count + step.iteration, ..*step }).is_break() {
+    let tell = |step: &FitStep| {
+        if progress(&FitStep { iteration: count + step.iteration, ..*step }).is_break() {
             is_cancelled.store(true, Ordering::Relaxed);
             return ControlFlow::Break(());
         }

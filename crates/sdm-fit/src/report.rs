@@ -4,10 +4,10 @@ use crate::Status;
 use distance_field::PrincipalFrame;
 use nalgebra::SVector;
 
-/// One iteration.
+/// One iteration of a fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub struct StepRecord {
+pub struct FitStep {
     /// Number of the iteration, from 1.
     pub iteration: usize,
     /// Factor of the energy in this step.
@@ -58,7 +58,12 @@ pub struct FitReport {
     #[cfg_attr(feature = "serde", serde(rename = "points_used"))]
     pub used: usize,
     /// Every iteration.
-    pub history: Vec<StepRecord>,
+    pub history: Vec<FitStep>,
+}
+
+/// The status of a fit that ended within the tolerance that was asked for, or not: then its steps were enough.
+pub(crate) fn status_within(status: Status, tolerance: bool) -> Status {
+    if status == Status::MaxIterations && tolerance { Status::Converged } else { status }
 }
 
 impl FitReport {

@@ -32,22 +32,22 @@ const PROBES: usize = 24;
 const LEAST_PROBES: usize = 4;
 /// Factor between two values of `λ` that count as the same.
 const SAME: f64 = 1.3;
-/// While the next value is at least this many times what the data asked for, they are not asked again: it is on its way down.
+/// While the next value is at least this many times the last estimate, no other is made: it is on its way down.
 const FAR: f64 = 4.0;
 /// Iterations after which the automatic value is kept.
 const SETTLED: usize = 48;
 /// Below this a continuation to 0 has arrived.
 const NOTHING: f64 = 1e-16;
 
-/// What the data say about the factor of the energy.
+/// The estimate of the factor of the energy from the data.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Answer {
-    /// They ask for this value.
-    Wanted(f64),
-    /// What is left of the distances is no noise: neighbours agree.
+pub(crate) enum LambdaEstimate {
+    /// The estimated factor.
+    Lambda(f64),
+    /// Residuals of neighbours are correlated: they are lack of fit, not noise.
     NoNoise,
-    /// They were not asked, or had no answer.
-    NotAsked,
+    /// No estimate was made, or no factor has a finite score.
+    NotMade,
 }
 
 /// The factor of the energy in the course of the iteration.
@@ -55,10 +55,10 @@ pub(crate) enum Answer {
 pub(crate) struct Schedule {
     smoothing: Smoothing,
     pub(crate) lambda: f64,
-    /// Iterations in which the data asked for about the present value.
+    /// Iterations whose estimate was about the present value.
     agreed: usize,
-    /// What they asked for the last time.
-    pub(crate) wanted: Option<f64>,
+    /// The last estimate.
+    pub(crate) estimate: Option<f64>,
     iteration: usize,
 }
 
@@ -68,18 +68,18 @@ impl Schedule {
             Smoothing::Fixed { lambda } => lambda,
             Smoothing::Continuation { start, .. } | Smoothing::Automatic { start, .. } => start,
         };
-        Self { smoothing, lambda, agreed: 0, wanted: None, iteration: 0 }
+        Self { smoothing, lambda, agreed: 0, estimate: None, iteration: 0 }
     }
 
-    /// Whether the data are asked in this iteration.
-    pub(crate) fn asks(&self) -> bool {
+    /// Whether an estimate is made in this iteration.
+    pub(crate) fn needs_estimate(&self) -> bool {
         let Smoothing::Automatic { factor, .. } = self.smoothing else { return false };
-        let near = self.wanted.is_none_or(|wanted| self.lambda * factor < FAR * wanted);
+        let near = self.estimate.is_none_or(|estimate| self.lambda * factor < FAR * estimate);
         near && self.iteration >= 2 && self.iteration < SETTLED && self.agreed < 3
     }
 
-    /// The value for the next iteration; `answer` is what the data say to it.
-    pub(crate) fn advance(&mut self, answer: Answer) {
+    /// The value for the next iteration after an estimate.
+    pub(crate) fn advance(&mut self, made: LambdaEstimate) {
         self.iteration += 1;
         match self.smoothing {
             Smoothing::Fixed { .. } => {}
@@ -89,21 +89,21 @@ impl Schedule {
                     self.lambda = floor;
                 }
             }
-            Smoothing::Automatic { factor, .. } => match answer {
-                Answer::Wanted(wanted) => {
-                    self.wanted = Some(wanted);
-                    let same = self.lambda <= wanted * SAME && wanted <= self.lambda * SAME;
+            Smoothing::Automatic { factor, .. } => match made {
+                LambdaEstimate::Lambda(estimate) => {
+                    self.estimate = Some(estimate);
+                    let same = self.lambda <= estimate * SAME && estimate <= self.lambda * SAME;
                     self.agreed = if same { self.agreed + 1 } else { 0 };
-                    self.lambda = wanted.max(self.lambda * factor);
+                    self.lambda = estimate.max(self.lambda * factor);
                 }
-                Answer::NoNoise => {
+                LambdaEstimate::NoNoise => {
                     self.lambda *= factor;
                     self.agreed = 0;
                 }
-                Answer::NotAsked if self.iteration <= 2 => self.lambda *= factor,
-                Answer::NotAsked => {
-                    if let Some(wanted) = self.wanted.filter(|wanted| *wanted < self.lambda) {
-                        self.lambda = wanted.max(self.lambda * factor);
+                LambdaEstimate::NotMade if self.iteration <= 2 => self.lambda *= factor,
+                LambdaEstimate::NotMade => {
+                    if let Some(estimate) = self.estimate.filter(|estimate| *estimate < self.lambda) {
+                        self.lambda = estimate.max(self.lambda * factor);
                     }
                 }
             },
@@ -127,7 +127,7 @@ impl Schedule {
 /// The score is `RSS / (1 − γ tr H / m)²` with the influence matrix `H = A (N + λE)⁻¹ Aᵀ` of the linearised problem and `m`
 /// distances ([CW79]; `γ` as in [KG04]). With a value that was found before only those `near` it are tried. `None`
 /// where no factor gives a finite one.
-pub(crate) fn wanted<const D: usize>(
+pub(crate) fn estimate_lambda<const D: usize>(
     layout: &mut Layout,
     normal: &Normal<D>,
     energy: &Blocks,
@@ -276,11 +276,11 @@ mod tests {
     fn a_continuation_arrives_at_its_floor() {
         let mut schedule = Schedule::new(Smoothing::Continuation { start: 1.0, factor: 0.1, floor: 0.0 });
         for _ in 0..15 {
-            schedule.advance(Answer::NotAsked);
+            schedule.advance(LambdaEstimate::NotMade);
         }
         assert!(!schedule.is_settled() && (schedule.lambda / 1e-15 - 1.0).abs() < 1e-9);
         for _ in 0..3 {
-            schedule.advance(Answer::NotAsked);
+            schedule.advance(LambdaEstimate::NotMade);
         }
         assert!(schedule.is_settled() && schedule.lambda == 0.0);
     }
@@ -289,23 +289,23 @@ mod tests {
     fn the_data_are_asked_until_they_agree_three_times() {
         let mut schedule = Schedule::new(Smoothing::Automatic { start: 1.0, factor: 0.5 });
         for _ in 0..2 {
-            assert!(!schedule.asks());
-            schedule.advance(Answer::NotAsked);
+            assert!(!schedule.needs_estimate());
+            schedule.advance(LambdaEstimate::NotMade);
         }
-        assert!(schedule.asks() && schedule.lambda == 0.25);
+        assert!(schedule.needs_estimate() && schedule.lambda == 0.25);
         // A step of more than the factor at once is not taken, and the data are not asked on the way.
-        schedule.advance(Answer::Wanted(0.01));
-        assert!(schedule.lambda == 0.125 && !schedule.asks());
-        schedule.advance(Answer::NotAsked);
-        assert!(schedule.lambda == 0.0625 && schedule.asks());
+        schedule.advance(LambdaEstimate::Lambda(0.01));
+        assert!(schedule.lambda == 0.125 && !schedule.needs_estimate());
+        schedule.advance(LambdaEstimate::NotMade);
+        assert!(schedule.lambda == 0.0625 && schedule.needs_estimate());
         // 1.5 times is not the same, 1.2 times is.
-        schedule.advance(Answer::Wanted(0.0625 / 1.5));
-        schedule.advance(Answer::Wanted(0.05));
+        schedule.advance(LambdaEstimate::Lambda(0.0625 / 1.5));
+        schedule.advance(LambdaEstimate::Lambda(0.05));
         assert!(schedule.lambda == 0.05);
-        schedule.advance(Answer::Wanted(0.05));
-        assert!(schedule.asks() && !schedule.is_settled());
-        schedule.advance(Answer::Wanted(0.05));
-        assert!(!schedule.asks() && schedule.is_settled());
+        schedule.advance(LambdaEstimate::Lambda(0.05));
+        assert!(schedule.needs_estimate() && !schedule.is_settled());
+        schedule.advance(LambdaEstimate::Lambda(0.05));
+        assert!(!schedule.needs_estimate() && schedule.is_settled());
     }
 
     #[test]

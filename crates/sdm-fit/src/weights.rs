@@ -1,8 +1,8 @@
 //! What each sample counts in a step.
 
-use crate::options::Robust;
 use crate::target::{Feet, Samples};
-use distance_field::{Kernel, Spread, quantile_in_place};
+use distance_field::{Kernel, Spread};
+use sdm_core::{Robust, trim_limit};
 
 /// Share of the largest distance below which a kernel has no scale.
 const NO_SPREAD: f64 = 1e-12;
@@ -37,7 +37,7 @@ pub(crate) fn weigh(out: &mut [f64], distance: &dyn Fn(usize) -> f64, robust: Ro
             }
         }
         Robust::Trimmed { outliers } => {
-            let limit = quantile_in_place(&mut distances(), 1.0 - outliers);
+            let limit = trim_limit(&mut distances(), outliers);
             for (i, weight) in out.iter_mut().enumerate() {
                 if *weight > 0.0 && distance(i) > limit {
                     *weight = 0.0;

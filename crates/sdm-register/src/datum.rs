@@ -1,17 +1,33 @@
 //! Alignment by datum targets: 3-2-1 and reference points.
 
-use crate::constraint::{Chart, Locks};
+use crate::constraint::{Chart, Freedom, Locks};
 use crate::linearise::{NormalSystem, add_square};
 use crate::motion::rigid_unknowns;
-use crate::solve::Scaled;
+use crate::solve::{Scaled, Spectrum};
 use crate::superpose::superpose;
 use crate::{Error, Pose, Status, Velocity, rotation};
-use nalgebra::{SVector, Vector3};
+use nalgebra::{DVector, SVector, Vector3};
+use sdm_core::{
+    Controller, Problem, StepControl, StepDirection, StepLimits, StepTaken, Stop, Trial, minimise,
+};
 
 /// Most steps.
 const MAX_STEPS: usize = 100;
 /// Share of the largest eigenvalue up to which a motion counts as open.
 const OPEN: f64 = 1e-12;
+/// Motion as a share of the size below which the change of the cost is rounding, and that which ends the iteration.
+const ROUNDING: f64 = 1e-7;
+const TOLERANCE: f64 = 1e-14;
+/// Control of the steps; dampings are shares of the largest eigenvalue.
+const LIMITS: StepLimits = StepLimits {
+    decrease: 1e-4,
+    shortest: 1e-6,
+    first: 1e-3,
+    least: 0.0,
+    last: 1e8,
+    drops: true,
+    slack: f64::EPSILON,
+};
 
 /// One condition on a motion `T`: `⟨e, T x − q⟩ = 0`, the point `x` shall come to lie in the plane through `q` at right
 /// angles to `e`.
@@ -86,35 +102,13 @@ pub fn align_datum<const D: usize>(
     let first = targets[0].point;
     let centre = first + targets.iter().map(|t| t.point - first).sum::<SVector<f64, D>>() / n;
     let length = targets.iter().map(|t| (t.point - centre).norm()).fold(0.0, f64::max);
-    let mut pose = start.with_source_origin(centre);
+    let pose = start.with_source_origin(centre);
     let chart = Chart::new(Locks::default(), false, pose);
-    let mut cost = cost_of(targets, &pose);
-    let (mut status, mut iterations, mut damping) = (Status::MaxIterations, 0, 0.0);
-    while iterations < MAX_STEPS {
-        let freedom = chart.freedom(&pose);
-        let system = system_of(targets, &pose);
-        let tangent = freedom.reduce(&system.tangent);
-        let scaled = Scaled::new(&tangent, &freedom.is_translation, length, OPEN);
-        if scaled.rank() < unknowns {
-            return Err(Error::OpenDatum { free: unknowns - scaled.rank(), unknowns });
-        }
-        let spectrum = scaled.spectrum(&tangent, &freedom.reduce_vector(&system.vector));
-        let step = scaled.step(&spectrum, damping * spectrum.largest());
-        let next = chart.advance(&pose, &freedom, &step);
-        let velocity = freedom.velocity(&step);
-        let motion = velocity.translation.norm() / length + velocity.rotation.norm();
-        let next_cost = cost_of(targets, &next);
-        iterations += 1;
-        if motion > 1e-7 && (next_cost > cost || next_cost.is_nan()) {
-            damping = (damping * 10.0).max(1e-3);
-            continue;
-        }
-        (pose, cost, damping) = (next, next_cost, if damping > 1e-3 { damping * 0.1 } else { 0.0 });
-        if motion <= 1e-14 * (1.0 + pose.target_origin.norm() / length) {
-            status = Status::Converged;
-            break;
-        }
-    }
+    let cost = cost_of(targets, &pose);
+    let mut run = Run { targets, chart, length, pose, cost, iterations: 0 };
+    let mut control = Controller::new(StepControl::LevenbergMarquardt, LIMITS);
+    let status = minimise(&mut run, &mut control, usize::MAX)?;
+    let Run { pose, cost, iterations, .. } = run;
     let residuals: Vec<f64> = targets.iter().map(|t| residual(t, &pose)).collect();
     let weight: f64 = targets.iter().map(|t| t.weight).sum();
     let rms = if weight > 0.0 { (cost / weight).sqrt() } else { 0.0 };
@@ -159,6 +153,96 @@ pub fn align_datum_from_anywhere<const D: usize>(
         }
     }
     Ok(best)
+}
+
+/// The Gauss-Newton method in the unknowns of a motion.
+struct Run<'a, const D: usize> {
+    targets: &'a [DatumTarget<D>],
+    chart: Chart<D>,
+    /// Size of the targets.
+    length: f64,
+    pose: Pose<D>,
+    cost: f64,
+    iterations: usize,
+}
+
+struct Linear<const D: usize> {
+    freedom: Freedom<D>,
+    scaled: Scaled,
+    spectrum: Spectrum,
+}
+
+/// A pose that a step leads to.
+struct Moved<const D: usize> {
+    pose: Pose<D>,
+    cost: f64,
+    motion: f64,
+}
+
+impl<const D: usize> Trial for Moved<D> {
+    fn cost(&self) -> f64 {
+        self.cost
+    }
+
+    fn is_rounding(&self) -> bool {
+        self.motion <= ROUNDING
+    }
+}
+
+impl<const D: usize> Problem for Run<'_, D> {
+    type Linear = Linear<D>;
+    type Step = DVector<f64>;
+    type Trial = Moved<D>;
+    type Error = Error;
+
+    fn linearise(&mut self) -> Result<Linear<D>, Stop<Error>> {
+        let unknowns = rigid_unknowns(D);
+        let freedom = self.chart.freedom(&self.pose);
+        let system = system_of(self.targets, &self.pose);
+        let tangent = freedom.reduce(&system.tangent);
+        let scaled = Scaled::new(&tangent, &freedom.is_translation, self.length, OPEN);
+        if scaled.rank() < unknowns {
+            return Err(Error::OpenDatum { free: unknowns - scaled.rank(), unknowns }.into());
+        }
+        let spectrum = scaled.spectrum(&tangent, &freedom.reduce_vector(&system.vector));
+        Ok(Linear { freedom, scaled, spectrum })
+    }
+
+    fn cost(&self, _: &Linear<D>) -> f64 {
+        self.cost
+    }
+
+    fn direction(
+        &mut self,
+        linear: &Linear<D>,
+        damping: f64,
+    ) -> Result<StepDirection<DVector<f64>>, Stop<Error>> {
+        let step = linear.scaled.step(&linear.spectrum, damping * linear.spectrum.largest());
+        Ok(StepDirection::along(step, linear.spectrum.slope(damping * linear.spectrum.largest())))
+    }
+
+    fn advance(
+        &mut self,
+        linear: &Linear<D>,
+        step: &DVector<f64>,
+        factor: f64,
+    ) -> Result<Option<Moved<D>>, Stop<Error>> {
+        if self.iterations >= MAX_STEPS {
+            return Err(Stop::Ended(Status::MaxIterations));
+        }
+        self.iterations += 1;
+        let step = step * factor;
+        let pose = self.chart.advance(&self.pose, &linear.freedom, &step);
+        let velocity = linear.freedom.velocity(&step);
+        let motion = velocity.translation.norm() / self.length + velocity.rotation.norm();
+        Ok(Some(Moved { cost: cost_of(self.targets, &pose), pose, motion }))
+    }
+
+    fn accept(&mut self, _: Linear<D>, trial: Moved<D>, _: StepTaken) -> Result<(), Stop<Error>> {
+        (self.pose, self.cost) = (trial.pose, trial.cost);
+        let far = self.pose.target_origin.norm() / self.length;
+        if trial.motion <= TOLERANCE * (1.0 + far) { Err(Stop::Ended(Status::Converged)) } else { Ok(()) }
+    }
 }
 
 fn check<const D: usize>(targets: &[DatumTarget<D>]) -> Result<(), Error> {

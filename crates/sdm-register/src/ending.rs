@@ -3,7 +3,7 @@
 use crate::constraint::{Chart, Freedom};
 use crate::correlation::Correlation;
 use crate::covariance::Residuals;
-use crate::iterate::{Outcome, Problem, fewest};
+use crate::iterate::{Job, Outcome, fewest};
 use crate::linearise::NormalSystem;
 use crate::noise_fixed::noise_share;
 use crate::one_sided;
@@ -31,7 +31,7 @@ impl<const D: usize> Conditioning<D> {
     }
 }
 
-impl<const D: usize> Problem<'_, D> {
+impl<const D: usize> Job<'_, D> {
     /// How well the pose at the end of a stage is determined, and the motions that are not.
     pub(crate) fn analyse(
         &self,

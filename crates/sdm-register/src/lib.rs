@@ -50,7 +50,7 @@ mod neighbourhood;
 mod noise_fixed;
 mod one_sided;
 mod options;
-pub(crate) mod parallel;
+mod parallel;
 mod plan;
 mod register;
 mod report;
@@ -59,7 +59,6 @@ mod slide_back;
 mod solve;
 mod source;
 pub mod start;
-mod status;
 mod superpose;
 mod support;
 mod symmetry;
@@ -76,14 +75,27 @@ pub use flat::is_flat;
 pub use free_motion::FreeMotion;
 pub use free_space::{FreeSpace, Rays, Viewpoint};
 pub use iterate::Progress;
-pub use method::{FootpointPolicy, Method, StepControl};
+pub use method::Method;
 pub use motion::{Displacement, Pose, Velocity, rotation};
 pub use options::RegisterOptions;
 pub use register::{no_progress, register, register_rest, register_some, register_with_progress};
-pub use report::{RegisterReport, StepRecord};
+pub use report::{RegisterReport, RegisterStep};
+pub use sdm_core::{FootpointPolicy, Status, StepControl};
 pub use source::{NonFinite, Source};
-pub use status::Status;
 pub use superpose::superpose;
 pub use support::{Doubt, Support};
 pub use symmetry::{symmetries, symmetries_and_near};
 pub use weights::{Kernel, Outliers, Rejection};
+
+// The crates whose types occur in the interface of this one.
+pub use distance_field;
+pub use footpoint;
+pub use mesh_core;
+pub use nalgebra;
+pub use nurbs_core;
+pub use sdm_core;
+
+/// The example of the README, compiled as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -55,31 +55,3 @@ impl Method {
         }
     }
 }
-
-/// How a step is controlled.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
-pub enum StepControl {
-    /// The full step, whatever it does.
-    None,
-    /// The step is halved until the cost falls by a share of what its slope promises (Armijo).
-    Armijo,
-    /// Levenberg and Marquardt: damping grows until the cost falls, and shrinks again.
-    #[default]
-    LevenbergMarquardt,
-}
-
-/// How footpoints are found after the first time, which is always a full search.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
-pub enum FootpointPolicy {
-    /// A full search while steps are long, then from the last footpoint.
-    #[default]
-    Adaptive,
-    /// A full search each time.
-    Full,
-    /// The iteration from the last footpoint until it converges.
-    WarmStart,
-    /// One step from the last footpoint (\[HW05, sec. 5\]).
-    OneStep,
-}

@@ -66,7 +66,7 @@ fn seen<const D: usize>(outcome: &Outcome<D>, cloud: &Prepared<D>) -> Vec<Seen<D
     let view = &outcome.view;
     let counts = |i: &usize| {
         outcome.base[*i] > 0.0
-            && outcome.weighting.worth(view.distance(*i)).weight > 0.0
+            && outcome.weighting.evaluate(view.distance(*i)).weight > 0.0
             && view.frames[*i].tangent_dimension == D - 1
     };
     let used: Vec<usize> = (0..cloud.points.len()).filter(counts).collect();

@@ -52,7 +52,7 @@ pub(crate) fn without<const D: usize>(
             let place = view.pose.rotate(&cloud.points[i]) * view.pose.scale;
             let frame = &view.frames[i];
             let outwards = frame.normal() * frame.distance.signum();
-            let weight = (outcome.base[i] * outcome.weighting.worth(view.distance(i)).weight).sqrt();
+            let weight = (outcome.base[i] * outcome.weighting.evaluate(view.distance(i)).weight).sqrt();
             DVector::from_fn(steps.len(), |k, _| {
                 weight * outwards.dot(&freedom.velocity(&steps[k]).at(&place))
             })

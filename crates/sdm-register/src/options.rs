@@ -42,7 +42,7 @@ impl<const D: usize> Default for RegisterOptions<D> {
     fn default() -> Self {
         Self {
             method: Method::default(),
-            control: StepControl::default(),
+            control: StepControl::LevenbergMarquardt,
             footpoints: FootpointPolicy::default(),
             outliers: Outliers::default(),
             rejection: Rejection::default(),
@@ -153,8 +153,8 @@ impl<const D: usize> RegisterOptions<D> {
             at_least("normal_angle", angle, 0.0, "an angle of at least 0")?;
         }
         match self.outliers {
-            Outliers::Trimmed { overlap } if !(overlap > 0.0 && overlap <= 1.0) => {
-                Err(Error::Option { name: "overlap", value: overlap, allowed: "in (0, 1]" })
+            Outliers::Trimmed { outliers } if !(0.0..1.0).contains(&outliers) => {
+                Err(Error::Option { name: "outliers", value: outliers, allowed: "in [0, 1)" })
             }
             Outliers::Kernel { abs_scale: Some(scale), .. } => positive("abs_scale", scale),
             _ => Ok(()),

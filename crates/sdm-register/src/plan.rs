@@ -1,7 +1,7 @@
 //! The stages of a registration in their order: coarse points before all, wide limits before narrow ones.
 
 use crate::evidence::{CUT, Evidence, Nearness, noise_floor};
-use crate::iterate::{History, Outcome, Problem, Stage};
+use crate::iterate::{History, Job, Outcome, Stage};
 use crate::slide_back::slide_back;
 use crate::source::Prepared;
 use crate::view::View;
@@ -52,7 +52,7 @@ enum Last {
 
 /// The stages of one registration and what they did.
 pub(crate) struct Plan<'a, const D: usize> {
-    problem: &'a Problem<'a, D>,
+    job: &'a Job<'a, D>,
     cloud: Rc<Prepared<D>>,
     /// Some of the points; all of them where they are few.
     coarse: Rc<Prepared<D>>,
@@ -67,14 +67,14 @@ pub(crate) struct Plan<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> Plan<'a, D> {
-    pub(crate) fn new(problem: &'a Problem<'a, D>, cloud: Prepared<D>) -> Self {
+    pub(crate) fn new(job: &'a Job<'a, D>, cloud: Prepared<D>) -> Self {
         let cloud = Rc::new(cloud);
-        let coarse = cloud.coarse(problem.options.coarse_points);
+        let coarse = cloud.coarse(job.options.coarse_points);
         let coarse = coarse.map_or_else(|| Rc::clone(&cloud), Rc::new);
-        let null_tolerance = problem.options.null_tolerance;
+        let null_tolerance = job.options.null_tolerance;
         let last = Last::Fit(Rule::Fixed(Weighting::SQUARES));
         Self {
-            problem,
+            job,
             cloud,
             coarse,
             null_tolerance,
@@ -102,15 +102,15 @@ impl<'a, const D: usize> Plan<'a, D> {
     /// The coarse points in the starting pose.
     pub(crate) fn first_view(&mut self, start: Pose<D>) -> View<D> {
         self.evaluations += 1;
-        self.problem.view(&self.coarse, start)
+        self.job.view(&self.coarse, start)
     }
 
     /// All stages, from a view of the coarse points.
     pub(crate) fn run(&mut self, view: View<D>) -> Outcome<D> {
         let start = view.pose;
-        let outcome = match self.problem.options.outliers {
+        let outcome = match self.job.options.outliers {
             Outliers::None => self.fit(view, Rule::Fixed(Weighting::SQUARES)),
-            Outliers::Trimmed { overlap } => self.fit(view, Rule::Trimmed { overlap }),
+            Outliers::Trimmed { outliers } => self.fit(view, Rule::Trimmed { outliers }),
             Outliers::Kernel { kernel, abs_scale } => self.kernel(view, kernel, abs_scale),
             Outliers::Automatic => self.automatic(view),
         };
@@ -126,13 +126,13 @@ impl<'a, const D: usize> Plan<'a, D> {
         if !outcome.status.is_converged() || outcome.view.frames.len() != self.cloud.points.len() {
             return outcome;
         }
-        let (fields, tolerance) = self.problem.free_fields(&outcome, &self.cloud);
+        let (fields, tolerance) = self.job.free_fields(&outcome, &self.cloud);
         let Some(pose) = slide_back(&self.cloud.points, &outcome.view.pose, start, &fields) else {
             return outcome;
         };
-        let pose = self.problem.chart.held(&pose);
+        let pose = self.job.chart.held(&pose);
         self.evaluations += 1;
-        let view = self.problem.view(&self.cloud, pose);
+        let view = self.job.view(&self.cloud, pose);
         // The motions that were undone are not made again.
         let given = self.null_tolerance;
         self.null_tolerance = given.max(HARDLY_FIXED).max(tolerance);
@@ -153,7 +153,7 @@ impl<'a, const D: usize> Plan<'a, D> {
 
     /// A stage with the options' own settings.
     fn stage<'b>(&self, name: &'static str, cloud: &'b Prepared<D>, rule: Rule) -> Stage<'b, D> {
-        let options = self.problem.options;
+        let options = self.job.options;
         Stage {
             name,
             cloud,
@@ -170,7 +170,7 @@ impl<'a, const D: usize> Plan<'a, D> {
     }
 
     fn go(&mut self, stage: &Stage<'_, D>, view: View<D>) -> Outcome<D> {
-        let outcome = self.problem.run(stage, view, &mut self.history);
+        let outcome = self.job.run(stage, view, &mut self.history);
         self.evaluations += outcome.evaluations;
         outcome
     }
@@ -187,7 +187,7 @@ impl<'a, const D: usize> Plan<'a, D> {
             return outcome.view;
         }
         self.evaluations += 1;
-        let view = self.problem.view(&self.cloud, outcome.view.pose);
+        let view = self.job.view(&self.cloud, outcome.view.pose);
         let Some(order) = view.order_of_feet() else { return view };
         // From now on all points are looked at again and again: so what is kept of the shape is read from one end to the other.
         self.cloud = Rc::new(self.cloud.picked(&order));
@@ -220,8 +220,8 @@ impl<'a, const D: usize> Plan<'a, D> {
             if facing { Rc::new(self.coarse.with_estimated_normals()) } else { Rc::clone(&self.coarse) };
         let size = view.size(&coarse);
         let mut view = view;
-        let given = facing_only(self.problem.options.rejection, facing);
-        for (index, limit) in self.problem.options.limits.into_iter().enumerate() {
+        let given = facing_only(self.job.options.rejection, facing);
+        for (index, limit) in self.job.options.limits.into_iter().enumerate() {
             let rule = Rule::Fixed(Weighting::Kernel { kernel, scale: limit * size });
             let stage = Stage {
                 method: Method::TANGENT,
@@ -236,7 +236,7 @@ impl<'a, const D: usize> Plan<'a, D> {
             }
             view = outcome.view;
         }
-        let limit = self.problem.options.limits[2] * size;
+        let limit = self.job.options.limits[2] * size;
         let rule = Rule::Estimated { kernel, limit, floor: noise_floor(&view, &coarse) };
         let stage = Stage {
             rejection: given.with_boundary(true),
@@ -283,9 +283,9 @@ impl<'a, const D: usize> Plan<'a, D> {
             return near;
         }
         let view = self.all_points(near);
-        let base = view.base_weights(&self.cloud, &self.problem.options.rejection);
+        let base = view.base_weights(&self.cloud, &self.job.options.rejection);
         let size = view.size(&self.cloud);
-        let limit = self.problem.options.limits[2] * size;
+        let limit = self.job.options.limits[2] * size;
         let estimated = Rule::Estimated { kernel, limit, floor: noise_floor(&view, &self.cloud) };
         // The given one is in the unit of the model.
         let scale = abs_scale
@@ -300,7 +300,7 @@ impl<'a, const D: usize> Plan<'a, D> {
     fn automatic(&mut self, start: View<D>) -> Outcome<D> {
         let coarse = Rc::clone(&self.coarse);
         let squares = Rule::Fixed(Weighting::SQUARES);
-        let tolerance = if self.is_thinned() { COARSE } else { self.problem.options.tolerance };
+        let tolerance = if self.is_thinned() { COARSE } else { self.job.options.tolerance };
         let stage = Stage { tolerance, ..self.stage("fit", &coarse, squares) };
         let plain = self.go(&stage, start.clone());
         if plain.status == Status::Cancelled {
@@ -336,7 +336,7 @@ impl<'a, const D: usize> Plan<'a, D> {
     /// is the noise.
     fn cut(&mut self, view: View<D>) -> Outcome<D> {
         self.last = Last::Cut;
-        let rejection = facing_only(self.problem.options.rejection, self.facing).with_boundary(true);
+        let rejection = facing_only(self.job.options.rejection, self.facing).with_boundary(true);
         if self.facing {
             self.cloud = Rc::new(self.cloud.with_estimated_normals());
         }
@@ -355,7 +355,7 @@ impl<'a, const D: usize> Plan<'a, D> {
             let is_long = self.is_thinned();
             let stage =
                 Stage { rejection, holds_rejection: true, is_long, ..self.stage("inliers", &cloud, rule) };
-            let outcome = self.problem.run(&stage, view, &mut self.history);
+            let outcome = self.job.run(&stage, view, &mut self.history);
             self.evaluations += outcome.evaluations;
             let (base, next) = judge(&outcome.view);
             let changed = base.iter().zip(&outcome.base).filter(|(a, b)| a != b).count();

@@ -2,12 +2,12 @@
 
 use crate::constraint::Chart;
 use crate::evidence::Nearness;
-use crate::iterate::{Outcome, Problem, Progress};
+use crate::iterate::{Job, Outcome, Progress};
 use crate::plan::Plan;
 use crate::scale_start;
 use crate::source::Prepared;
 use crate::support::Doubt;
-use crate::{Error, Pose, RegisterOptions, RegisterReport, Source, Status, StepRecord};
+use crate::{Error, Pose, RegisterOptions, RegisterReport, RegisterStep, Source, Status};
 use distance_field::DistanceField;
 use std::ops::ControlFlow;
 
@@ -21,7 +21,7 @@ const ELSEWHERE: usize = 1000;
 ///
 /// # Errors
 /// Never breaks.
-pub fn no_progress(_: &StepRecord) -> ControlFlow<()> {
+pub fn no_progress(_: &RegisterStep) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
@@ -123,9 +123,9 @@ fn run<const D: usize>(
     let [start, begin] = [start, begin].map(|pose| pose.with_source_origin(cloud.centre));
     let (dropped, taking_part) = (cloud.dropped, cloud.points.len());
     let chart = Chart::new(options.locks, options.scale, start);
-    let problem = Problem { field, chart: &chart, options, progress };
-    let from = if options.scale && !is_begun { best_scale(&problem, &cloud, &start) } else { begin };
-    let mut plan = Plan::new(&problem, cloud);
+    let job = Job { field, chart: &chart, options, progress };
+    let from = if options.scale && !is_begun { best_scale(&job, &cloud, &start) } else { begin };
+    let mut plan = Plan::new(&job, cloud);
     let view = plan.first_view(from);
     if view.frames.iter().all(|frame| !frame.is_finite()) {
         return Err(Error::EmptyModel { points: taking_part });
@@ -134,10 +134,10 @@ fn run<const D: usize>(
     let seen = plan.seen_by(&outcome.view);
     let unit = outcome.view.unit();
     let (rms, used) = outcome.view.rms(&outcome.base, &outcome.weighting);
-    let (covariance, free_motions) = problem.analyse(&outcome, seen, rms);
-    let support = problem.support(&outcome, seen, rms, !free_motions.is_empty());
+    let (covariance, free_motions) = job.analyse(&outcome, seen, rms);
+    let support = job.support(&outcome, seen, rms, !free_motions.is_empty());
     let doubt = support.doubt.filter(|_| outcome.status.is_converged());
-    let initial_rms = rms_elsewhere(&problem, seen, &outcome, start);
+    let initial_rms = rms_elsewhere(&job, seen, &outcome, start);
     Ok(RegisterReport {
         covariance,
         free_motions,
@@ -159,14 +159,14 @@ fn run<const D: usize>(
 /// The root mean square distance in another pose of the points that count in an outcome, with their weights there; of very many
 /// points, of some that are evenly picked.
 fn rms_elsewhere<const D: usize>(
-    problem: &Problem<'_, D>,
+    job: &Job<'_, D>,
     cloud: &Prepared<D>,
     outcome: &Outcome<D>,
     pose: Pose<D>,
 ) -> f64 {
     let weight = |i: usize| {
         if outcome.base[i] > 0.0 {
-            outcome.base[i] * outcome.weighting.worth(outcome.view.distance(i)).weight
+            outcome.base[i] * outcome.weighting.evaluate(outcome.view.distance(i)).weight
         } else {
             0.0
         }
@@ -174,7 +174,7 @@ fn rms_elsewhere<const D: usize>(
     let counting: Vec<usize> = (0..cloud.points.len()).filter(|&i| weight(i) > 0.0).collect();
     let step = counting.len().div_ceil(ELSEWHERE).max(1);
     let picked: Vec<usize> = counting.into_iter().step_by(step).collect();
-    let view = problem.view(&cloud.picked(&picked), pose);
+    let view = job.view(&cloud.picked(&picked), pose);
     let sums = picked.iter().zip(&view.frames).filter(|(_, frame)| frame.is_finite()).fold(
         (0.0, 0.0),
         |(squares, weights), (&i, frame)| {
@@ -186,18 +186,18 @@ fn rms_elsewhere<const D: usize>(
 }
 
 /// Where to start with an unknown scale: the end of the best of registrations of some of the points from several sizes.
-fn best_scale<const D: usize>(problem: &Problem<'_, D>, cloud: &Prepared<D>, start: &Pose<D>) -> Pose<D> {
-    let few = Plan::new(problem, cloud.clone()).coarse().clone();
+fn best_scale<const D: usize>(job: &Job<'_, D>, cloud: &Prepared<D>, start: &Pose<D>) -> Pose<D> {
+    let few = Plan::new(job, cloud.clone()).coarse().clone();
     let mut best: Option<(f64, Pose<D>)> = None;
-    for pose in scale_start::poses(&problem.field.bounding_box(), cloud, start) {
-        let mut plan = Plan::new(problem, few.clone());
-        let view = plan.first_view(problem.chart.held(&pose));
+    for pose in scale_start::poses(&job.field.bounding_box(), cloud, start) {
+        let mut plan = Plan::new(job, few.clone());
+        let view = plan.first_view(job.chart.held(&pose));
         let outcome = plan.run(view);
         if outcome.status == Status::Cancelled {
             break;
         }
         let (rms, used) = outcome.view.rms(&outcome.base, &outcome.weighting);
-        let support = problem.support(&outcome, &few, rms, false);
+        let support = job.support(&outcome, &few, rms, false);
         let nearness = Nearness::of(&outcome, &few);
         if support.doubt.is_some() || !outcome.view.pose.is_finite() {
             continue;

@@ -5,7 +5,7 @@ use crate::{Covariance, FreeMotion, Pose, Status, Support};
 /// One step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub struct StepRecord {
+pub struct RegisterStep {
     /// Stage the step belongs to.
     pub stage: &'static str,
     /// What was minimised: the name of an error term, `newton`, `symmetric`, …
@@ -60,7 +60,7 @@ pub struct RegisterReport<const D: usize> {
     /// The motions that the shape does not fix as far as the cloud can tell; the cloud is not moved along them.
     pub free_motions: Vec<FreeMotion<D>>,
     /// Every step.
-    pub history: Vec<StepRecord>,
+    pub history: Vec<RegisterStep>,
 }
 
 impl<const D: usize> RegisterReport<D> {

@@ -110,6 +110,12 @@ impl Scaled {
 }
 
 impl Spectrum {
+    /// Derivative of the cost along the step under a damping.
+    pub(crate) fn slope(&self, damping: f64) -> f64 {
+        let terms = self.right.iter().zip(self.eigen.values.iter());
+        -2.0 * terms.map(|(r, v)| if v + damping == 0.0 { 0.0 } else { r * r / (v + damping) }).sum::<f64>()
+    }
+
     /// The smallest eigenvalue; infinite where there is no unknown.
     pub(crate) fn smallest(&self) -> f64 {
         self.eigen.values.iter().fold(f64::INFINITY, |m, &x| m.min(x))

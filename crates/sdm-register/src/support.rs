@@ -150,7 +150,7 @@ impl Support {
     ) -> Self {
         let view = &outcome.view;
         let counts =
-            |i: usize| outcome.base[i] > 0.0 && outcome.weighting.worth(view.distance(i)).weight > 0.0;
+            |i: usize| outcome.base[i] > 0.0 && outcome.weighting.evaluate(view.distance(i)).weight > 0.0;
         let used: Vec<usize> = (0..cloud.points.len()).filter(|&i| counts(i)).collect();
         let share = used.len() as f64 / cloud.points.len().max(1) as f64;
         let extent = diagonal(used.iter().map(|&i| &cloud.points[i]));

@@ -9,7 +9,7 @@ use distance_field::{DistanceField, ErrorTerm, Hint, PrincipalFrame, Search};
 use nalgebra::SVector;
 
 /// A motion as a share of the size of the cloud below which footpoints are followed from the last ones.
-pub(crate) const NEAR: f64 = 0.01;
+pub(crate) const WARM_START_MOTION: f64 = 0.01;
 
 /// The cloud in one pose.
 #[derive(Clone, Debug)]
@@ -101,7 +101,7 @@ impl<const D: usize> View<D> {
         let linear = self.pose.rotation * self.pose.scale;
         let points: Vec<_> =
             wanted.iter().map(|&i| linear * cloud.points[i] + self.pose.target_origin).collect();
-        let is_far = farthest > NEAR * cloud.diagonal * self.pose.scale;
+        let is_far = farthest > WARM_START_MOTION * cloud.diagonal * self.pose.scale;
         self.find(field, &points, if is_far { Search::Global } else { Search::Local }, &wanted);
         !wanted.is_empty()
     }
@@ -190,7 +190,7 @@ impl<const D: usize> View<D> {
                 if base[i] > 0.0 {
                     let distance = self.distance(i);
                     sum += base[i]
-                        * if distance.is_nan() { f64::INFINITY } else { weighting.worth(distance).cost };
+                        * if distance.is_nan() { f64::INFINITY } else { weighting.evaluate(distance).loss };
                 }
             }
             sum
@@ -204,7 +204,7 @@ impl<const D: usize> View<D> {
             let mut sums = (0.0, 0.0, 0);
             for i in range {
                 let distance = self.distance(i);
-                let weight = if base[i] > 0.0 { base[i] * weighting.worth(distance).weight } else { 0.0 };
+                let weight = if base[i] > 0.0 { base[i] * weighting.evaluate(distance).weight } else { 0.0 };
                 if weight > 0.0 {
                     sums = (sums.0 + weight * distance * distance, sums.1 + weight, sums.2 + 1);
                 }
@@ -281,12 +281,12 @@ fn add_point<const D: usize>(
     terms: &Terms,
 ) {
     let distance = unit.map_or(frame.distance, |unit| frame.distance / unit);
-    let worth = weighting.worth(distance);
-    system.cost += base * worth.cost;
-    if worth.weight <= 0.0 {
+    let kernel = weighting.evaluate(distance);
+    system.cost += base * kernel.loss;
+    if kernel.weight <= 0.0 {
         return;
     }
-    let weight = base * worth.weight;
+    let weight = base * kernel.weight;
     system.weight += weight;
     system.count += 1;
     system.squares += weight * distance * distance;
@@ -301,32 +301,27 @@ fn add_point<const D: usize>(
     if terms.taylor {
         let gradient = along * (weight * distance);
         system.add_moment(&unit.map_or(gradient, |unit| gradient / unit), y);
-        if worth.bend != 0.0 {
-            add_square::<D>(&mut system.taylor, &row, base * worth.bend);
+        if kernel.weight_change != 0.0 {
+            add_square::<D>(&mut system.taylor, &row, base * kernel.weight_change);
         }
     }
+    let shares = terms.term.weights(frame);
+    let exact = if terms.taylor { ErrorTerm::Taylor.weights(frame) } else { SVector::zeros() };
     for k in 0..D - 1 {
-        let axis = frame.axes.column(k).into_owned();
-        if k >= frame.tangent_dimension {
-            let row = row_of(&axis, y, unit, 0.0);
+        let is_tangent = k < frame.tangent_dimension;
+        if is_tangent && shares[k] == 0.0 && exact[k] == 0.0 {
+            continue;
+        }
+        let row = row_of(&frame.axes.column(k).into_owned(), y, unit, 0.0);
+        if !is_tangent {
             add_square::<D>(&mut system.tangent, &row, weight);
             continue;
         }
-        let share = terms.term.tangent_weight(frame.distance, frame.curvatures[k]);
-        let exact = if terms.taylor {
-            ErrorTerm::Taylor.tangent_weight(frame.distance, frame.curvatures[k])
-        } else {
-            0.0
-        };
-        if share == 0.0 && exact == 0.0 {
-            continue;
+        if shares[k] != 0.0 {
+            add_square::<D>(&mut system.term, &row, weight * shares[k]);
         }
-        let row = row_of(&axis, y, unit, 0.0);
-        if share != 0.0 {
-            add_square::<D>(&mut system.term, &row, weight * share);
-        }
-        if exact != 0.0 {
-            add_square::<D>(&mut system.taylor, &row, weight * exact);
+        if exact[k] != 0.0 {
+            add_square::<D>(&mut system.taylor, &row, weight * exact[k]);
         }
     }
 }

@@ -98,7 +98,7 @@ fn registration(
         let options = RegisterOptions::default()
             .with_method(method)
             .with_control(StepControl::None)
-            .with_footpoints(FootpointPolicy::Full)
+            .with_footpoints(FootpointPolicy::Global)
             .with_outliers(Outliers::None)
             .with_tolerance(0.0)
             .with_max_iterations(exact.len() - 1);

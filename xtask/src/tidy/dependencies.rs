@@ -13,8 +13,15 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("brep-core", &["lanes", "nurbs-core", "footpoint"]),
     ("cad-io", &["nurbs-core", "brep-core"]),
     ("distance-field", &["lanes", "nurbs-core", "mesh-core", "footpoint", "brep-core"]),
-    ("sdm-fit", &["lanes", "nurbs-core", "mesh-core", "footpoint", "brep-core", "distance-field"]),
-    ("sdm-register", &["lanes", "nurbs-core", "mesh-core", "footpoint", "brep-core", "distance-field"]),
+    ("sdm-core", &["distance-field"]),
+    (
+        "sdm-fit",
+        &["sdm-core", "lanes", "nurbs-core", "mesh-core", "footpoint", "brep-core", "distance-field"],
+    ),
+    (
+        "sdm-register",
+        &["sdm-core", "lanes", "nurbs-core", "mesh-core", "footpoint", "brep-core", "distance-field"],
+    ),
     ("inspection", &["lanes", "nurbs-core", "mesh-core", "footpoint", "brep-core", "distance-field"]),
     ("cloud-param", &["lanes", "nurbs-core", "mesh-core", "footpoint", "sdm-fit"]),
     ("feature-metric", &["nurbs-core", "mesh-core", "distance-field"]),

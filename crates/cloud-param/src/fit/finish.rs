@@ -7,7 +7,7 @@ use footpoint::SurfaceProjector;
 use nalgebra::Vector3;
 use nurbs_core::BsplineSurface;
 use sdm_fit::{
-    Folds, Progress, Smoothing, Status, StepRecord, SurfaceCost, SurfaceOptions, SurfaceReport,
+    FitStep, Folds, Progress, Smoothing, Status, SurfaceCost, SurfaceOptions, SurfaceReport,
     fit_surface_with_progress, no_progress, residual_disagreement, surface_costs, surface_frames,
 };
 
@@ -94,8 +94,7 @@ fn minimised(
         let steps = STAGE.min(options.fit.max_iterations - history.len());
         let stage = options.with_fit(fit.with_max_iterations(steps));
         let before = history.len();
-        let numbered =
-            |step: &StepRecord| progress(&StepRecord { iteration: before + step.iteration, ..*step });
+        let numbered = |step: &FitStep| progress(&FitStep { iteration: before + step.iteration, ..*step });
         let made = fit_surface_with_progress(data, surface.clone(), &stage, &numbered)?;
         let mut report = made.report;
         let first_rms = *first_rms.get_or_insert(report.fit.initial_rms);

@@ -9,7 +9,7 @@ use cloud_param::{
 use footpoint::SurfaceProjector;
 use nalgebra::{Rotation3, Vector3};
 use nurbs_core::{BsplineCurve, BsplineSurface, ParameterMethod, ParametricSurface, construct};
-use sdm_fit::StepRecord;
+use sdm_fit::FitStep;
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 
@@ -270,7 +270,7 @@ fn a_finish_that_is_cancelled_keeps_the_fitted_surface() {
     // In the first and in later stages, where little is gained any more.
     for last in [1, 5, 6, 7] {
         let steps = Mutex::new(Vec::new());
-        let progress = |step: &StepRecord| {
+        let progress = |step: &FitStep| {
             steps.lock().unwrap().push(step.iteration);
             if step.iteration == last { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };

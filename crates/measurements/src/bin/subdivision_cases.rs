@@ -33,7 +33,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     println!("iteration      point    tangent    squared");
     for k in 0..columns.iter().map(Vec::len).max().unwrap_or(0) {
-        let cell = |history: &Vec<sdm_fit::StepRecord>| {
+        let cell = |history: &Vec<sdm_fit::FitStep>| {
             history.get(k).map_or_else(String::new, |step| format!("{:.3e}", step.rms / diagonal))
         };
         let cells: Vec<String> = columns.iter().map(cell).collect();

@@ -2,6 +2,7 @@
 
 use super::gaps::SEVERAL;
 use super::spread::spreads;
+use super::stop::Stop;
 use super::{CurveCoverage, Stretch, gap_limits, gap_limits_of, usual_gap};
 use crate::parallel;
 use distance_field::quantile_in_place;
@@ -133,16 +134,6 @@ impl<const D: usize> Chords<D> {
         let parameter = self.parameters[k - 1] + (self.parameters[k] - self.parameters[k - 1]) * share;
         (parameter, self.points[k - 1] + (self.points[k] - self.points[k - 1]) * share)
     }
-}
-
-/// A point in the order of feet.
-#[derive(Clone, Copy)]
-pub(super) struct Stop<const D: usize> {
-    /// Length of the curve up to the foot.
-    pub(super) at: f64,
-    foot: SVector<f64, D>,
-    pub(super) residual: SVector<f64, D>,
-    pub(super) index: usize,
 }
 
 /// A curve and the points that count, with their feet.

@@ -3,6 +3,7 @@
 mod gaps;
 mod measure;
 mod spread;
+mod stop;
 
 pub(crate) use gaps::{PRESUMED, gap_limits, gap_limits_of, usual_gap};
 pub(crate) use measure::{Limits, of_curve};

@@ -1,6 +1,6 @@
 //! Whether points lie about a curve, or are too wide or too structured for that.
 
-use super::measure::Stop;
+use super::stop::Stop;
 use crate::parallel;
 use distance_field::quantile_in_place;
 use mesh_core::CloudIndex;

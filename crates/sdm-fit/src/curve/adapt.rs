@@ -2,7 +2,7 @@
 
 use super::crossing::self_crossings;
 use super::start::Layout;
-use super::work::{CHOICE, EXACT, SMOOTHER, State, Work};
+use super::work::{CHOICE, COARSE, EXACT, SMOOTHER, State, Work};
 use crate::options::Smoothing;
 use crate::{Error, Status};
 use footpoint::CurveProjector;
@@ -28,8 +28,6 @@ const HOPELESS: usize = 5;
 const BARE: f64 = 0.03;
 /// Share of the size below which distances are good enough where nothing else is asked for.
 const GOOD: f64 = 1e-6;
-/// Least `λ` while knots are missing.
-pub(super) const COARSE: f64 = 1e-6;
 /// First `λ` of runs that start from a good curve.
 const WARM: f64 = 1e-4;
 /// Shares of the tolerance by which a curve may move when knots are removed, one after the other.

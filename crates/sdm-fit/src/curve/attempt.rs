@@ -9,11 +9,11 @@ use super::report::{Closure, CurveFit, CurveReport};
 use super::start::Layout;
 use super::work::{State, Work};
 use crate::iterate::Progress;
-use crate::options::Robust;
 use crate::{Error, Status};
 use distance_field::quantile_in_place;
 use nalgebra::SVector;
 use nurbs_core::{BsplineCurve, ParametricCurve};
+use sdm_core::Robust;
 
 /// Length of an open curve, in units of the gap between its ends, from which on it may be closed.
 const AROUND: f64 = 3.0;

@@ -7,13 +7,14 @@ use super::report::{Closure, CurveFit, CurveReport, CurveStart, PointFoot};
 use super::tree::Groups;
 use super::work::{State, Work};
 use crate::coverage_curve::of_curve;
-use crate::options::Robust;
+use crate::report::status_within;
 use crate::weights::weigh;
 use crate::{CurveCoverage, Error};
 use footpoint::{CurveFootpoint, CurveProjector};
 use mesh_core::CloudIndex;
 use nalgebra::{Point, SVector};
 use nurbs_core::{BsplineCurve, ParametricCurve};
+use sdm_core::Robust;
 
 /// How near points that are left out may be to each other before they are a part of the data that is missed: in spacings, and in units of the
 /// noise.
@@ -105,7 +106,7 @@ impl<const D: usize> Work<'_, D> {
         let reached = tolerance.map(|limit| largest <= limit);
         coverage.moved(&centre.iter().copied().collect::<Vec<_>>());
         let report = CurveReport {
-            status: state.report.status.within(reached == Some(true)),
+            status: status_within(state.report.status, reached == Some(true)),
             closed: origin.closed,
             closure: origin.closure,
             start: origin.start,

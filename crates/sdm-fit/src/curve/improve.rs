@@ -1,10 +1,11 @@
 //! What is tried after a run of the loop: more smoothing where the curve crosses itself, last steps near the minimum.
 
 use super::work::{SMOOTHER, State, Work};
-use crate::options::{Smoothing, StepControl};
+use crate::options::Smoothing;
 use crate::{Error, Status};
 use distance_field::ErrorTerm;
 use nurbs_core::BsplineCurve;
+use sdm_core::StepControl;
 
 /// Most iterations of a polish.
 const POLISH: usize = 30;

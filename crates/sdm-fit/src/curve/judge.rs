@@ -5,12 +5,13 @@ use super::options::CurveOptions;
 use super::start::Layout;
 use super::work::{State, Work};
 use crate::coverage_curve::{Limits, of_curve};
-use crate::options::{Robust, Smoothing};
+use crate::options::Smoothing;
 use crate::shape::ActiveShape;
 use crate::{ActiveCurve, CurveCoverage, Error, Status};
 use footpoint::{CurveFootpoint, CurveProjector};
 use nalgebra::SVector;
 use nurbs_core::{BsplineCurve, Interval, ParametricCurve};
+use sdm_core::Robust;
 
 /// Share of the diagonal that a point may be away where the number of control points is given.
 const COARSE: f64 = 0.01;

@@ -7,20 +7,19 @@
 use super::start::Layout;
 use super::work::{State, Work};
 use crate::options::{FitOptions, Smoothing};
+use crate::rational::{LARGEST_CHANGE, LARGEST_LOGARITHM, LIMITS, SMALL_DECREASE, conic_knots};
 use crate::{Error, Status};
 use distance_field::{CurveField, DistanceField, ErrorTerm, PrincipalFrame, Search};
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
-use nurbs_core::{BsplineCurve, KnotVector, MAX_DEGREE, ParametricCurve, basis};
+use nurbs_core::{BsplineCurve, MAX_DEGREE, ParametricCurve, basis};
+use sdm_core::{Controller, Problem, StepControl, StepDirection, StepTaken, Stop, Trial, minimise};
 
 /// Most unknowns of the dense system.
 const UNKNOWNS: usize = 600;
 /// Steps at most.
 const STEPS: usize = 200;
-/// Damping: first, least and last, as a share of the mean of the diagonal.
-const DAMPING: [f64; 3] = [1e-3, 1e-12, 1e6];
-/// Largest change of the logarithm of a weight in a step, and of the weights from 1 in all.
-const CHANGE: f64 = 0.7;
-const RANGE: f64 = 6.0;
+/// Root mean square distance as a share of the size that is rounding.
+const ROUNDING: f64 = 1e-15;
 /// Share of the size below which a curve counts as exact.
 const EXACT: f64 = 1e-9;
 /// Numbers of conic arcs that are tried.
@@ -73,22 +72,6 @@ pub(super) fn with_weights<const D: usize>(
     Ok(state)
 }
 
-/// Knots of degree 2 whose pieces are joined without derivatives, so that each can be any arc of a conic.
-fn conic_knots(arcs: usize, closed: bool) -> Result<KnotVector, Error> {
-    let at = |k: isize| k as f64 / arcs as f64;
-    let last = arcs.cast_signed();
-    Ok(if closed {
-        // Period 1; the domain starts with the second of two equal knots.
-        let knots = (-1..=last + 1).flat_map(|k| [at(k), at(k)]).collect::<Vec<_>>();
-        KnotVector::periodic(2, knots[1..].to_vec())?
-    } else {
-        let mut knots = vec![0.0];
-        knots.extend((0..=last).flat_map(|k| [at(k), at(k)]));
-        knots.push(1.0);
-        KnotVector::new(2, knots)?
-    })
-}
-
 /// A state of the iteration.
 struct Place<const D: usize> {
     curve: BsplineCurve<D>,
@@ -107,44 +90,15 @@ impl<const D: usize> Place<D> {
 
 /// Levenberg and Marquardt with the tangent model of the distances.
 fn improved<const D: usize>(work: &Work<'_, D>, mut state: State<D>) -> Result<State<D>, Error> {
-    let mut place = Place::new(state.curve.clone(), work.points)?;
-    let mut damping = DAMPING[0];
-    let mut status = Status::MaxIterations;
-    for _ in 0..STEPS {
-        if place.cost.sqrt() <= 1e-15 * work.size {
-            status = Status::Converged;
-            break;
-        }
-        let (matrix, vector) = system(&place, work.points);
-        let mean = matrix.diagonal().mean();
-        let mut next = None;
-        while damping <= DAMPING[2] {
-            let mut damped = matrix.clone();
-            for i in 0..damped.nrows() {
-                damped[(i, i)] += damping * mean;
-            }
-            let step = damped.cholesky().map(|factor| factor.solve(&vector));
-            if let Some(curve) = step.and_then(|step| moved(&place.curve, &step)) {
-                let trial = Place::new(curve, work.points)?;
-                if trial.cost < place.cost {
-                    next = Some(trial);
-                    break;
-                }
-            }
-            damping *= 10.0;
-        }
-        let Some(trial) = next else {
-            status = Status::Converged;
-            break;
-        };
-        damping = (damping * 0.1).max(DAMPING[1]);
-        let still = place.cost - trial.cost <= 1e-9 * place.cost;
-        place = trial;
-        if still {
-            status = Status::Converged;
-            break;
-        }
-    }
+    let place = Place::new(state.curve.clone(), work.points)?;
+    let mut run = Run { points: work.points, size: work.size, place };
+    let mut control = Controller::new(StepControl::LevenbergMarquardt, LIMITS);
+    let status = match minimise(&mut run, &mut control, STEPS)? {
+        // The cost falls strictly until rounding is all that is left of it.
+        Status::Stalled => Status::Converged,
+        status => status,
+    };
+    let place = run.place;
     let distances = place.frames.iter().map(|f| f.distance.abs());
     let (max_index, max) =
         distances.enumerate().fold((0, 0.0), |best, (i, d)| if d > best.1 { (i, d) } else { best });
@@ -153,6 +107,71 @@ fn improved<const D: usize>(work: &Work<'_, D>, mut state: State<D>) -> Result<S
     (state.report.max, state.report.max_index) = (max, max_index);
     state.curve = place.curve;
     Ok(state)
+}
+
+/// The iteration in control points and weights.
+struct Run<'a, const D: usize> {
+    points: &'a [SVector<f64, D>],
+    size: f64,
+    place: Place<D>,
+}
+
+impl<const D: usize> Problem for Run<'_, D> {
+    /// Matrix and half the negative gradient.
+    type Linear = (DMatrix<f64>, DVector<f64>);
+    type Step = DVector<f64>;
+    type Trial = Place<D>;
+    type Error = Error;
+
+    fn linearise(&mut self) -> Result<Self::Linear, Stop<Error>> {
+        if self.place.cost.sqrt() <= ROUNDING * self.size {
+            return Err(Stop::Ended(Status::Converged));
+        }
+        Ok(system(&self.place, self.points))
+    }
+
+    fn cost(&self, _: &Self::Linear) -> f64 {
+        self.place.cost
+    }
+
+    fn direction(
+        &mut self,
+        (matrix, vector): &Self::Linear,
+        damping: f64,
+    ) -> Result<StepDirection<Self::Step>, Stop<Error>> {
+        let lift = damping * matrix.diagonal().mean();
+        let mut damped = matrix.clone();
+        for i in 0..damped.nrows() {
+            damped[(i, i)] += lift;
+        }
+        let step = damped.cholesky().map(|factor| factor.solve(vector));
+        Ok(step.map_or(StepDirection::Singular, |step| {
+            let slope = -2.0 * vector.dot(&step);
+            StepDirection::along(step, slope)
+        }))
+    }
+
+    fn advance(
+        &mut self,
+        _: &Self::Linear,
+        step: &Self::Step,
+        factor: f64,
+    ) -> Result<Option<Place<D>>, Stop<Error>> {
+        let curve = moved(&self.place.curve, &(step * factor));
+        Ok(curve.map(|curve| Place::new(curve, self.points)).transpose()?)
+    }
+
+    fn accept(&mut self, _: Self::Linear, trial: Place<D>, _: StepTaken) -> Result<(), Stop<Error>> {
+        let still = self.place.cost - trial.cost <= SMALL_DECREASE * self.place.cost;
+        self.place = trial;
+        if still { Err(Stop::Ended(Status::Converged)) } else { Ok(()) }
+    }
+}
+
+impl<const D: usize> Trial for Place<D> {
+    fn cost(&self) -> f64 {
+        self.cost
+    }
 }
 
 /// Normal equations in the unknowns `(dᵢ, ln wᵢ)`, those of a control point together.
@@ -205,11 +224,12 @@ fn moved<const D: usize>(curve: &BsplineCurve<D>, step: &DVector<f64>) -> Option
     let mut logs = Vec::with_capacity(knots.basis_count());
     for i in 0..n {
         points.push(SVector::from_fn(|c, _| curve.control_points()[i][c] + step[i * width + c]));
-        logs.push(curve.weight(i).ln() + step[i * width + D].clamp(-CHANGE, CHANGE));
+        logs.push(curve.weight(i).ln() + step[i * width + D].clamp(-LARGEST_CHANGE, LARGEST_CHANGE));
     }
     // A common factor of the weights means nothing.
     let mean = logs.iter().sum::<f64>() / n as f64;
-    let mut weights: Vec<f64> = logs.iter().map(|l| (l - mean).clamp(-RANGE, RANGE).exp()).collect();
+    let mut weights: Vec<f64> =
+        logs.iter().map(|l| (l - mean).clamp(-LARGEST_LOGARITHM, LARGEST_LOGARITHM).exp()).collect();
     points.extend_from_within(..knots.basis_count() - n);
     weights.extend_from_within(..knots.basis_count() - n);
     BsplineCurve::new(knots.clone(), points, Some(weights)).ok()

@@ -1,6 +1,6 @@
 //! What a curve fit found.
 
-use crate::{CurveCoverage, Status, StepRecord};
+use crate::{CurveCoverage, FitStep, Status};
 use nalgebra::SVector;
 use nurbs_core::BsplineCurve;
 
@@ -129,7 +129,7 @@ pub struct CurveReport {
     /// Parameters at which the curve crosses itself (plane curves).
     pub crossings: Vec<[f64; 2]>,
     /// Every iteration of the runs whose curve was kept.
-    pub history: Vec<StepRecord>,
+    pub history: Vec<FitStep>,
 }
 
 impl Default for CurveReport {

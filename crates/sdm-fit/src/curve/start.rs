@@ -8,10 +8,10 @@ use super::path::{Path, along_order, is_ordered, through};
 use super::report::{Closure, CurveStart};
 use super::shortest::shortest;
 use crate::Error;
-use crate::options::Robust;
 use distance_field::quantile_in_place;
 use nalgebra::{DMatrix, SVector};
 use nurbs_core::{BsplineCurve, CurveFitOptions, Interval, KnotVector, ParametricCurve};
+use sdm_core::Robust;
 
 /// Width of a cloud as a share of its length below which it is a line.
 const LINE: f64 = 1e-9;

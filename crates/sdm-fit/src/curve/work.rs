@@ -1,19 +1,21 @@
 //! The points of a curve fit, and the runs of the loop on them.
 
 use super::active::ActiveCurve;
-use super::adapt;
 use super::crossing::self_crossings;
 use super::options::CurveOptions;
 use super::report::StageRecord;
 use super::start::Layout;
 use crate::iterate::{Progress, fit_with_progress};
-use crate::options::{FitOptions, FootpointPolicy, Robust, Smoothing};
-use crate::{Constraints, Error, FitReport, Status, StepRecord, Target};
+use crate::options::{FitOptions, Smoothing};
+use crate::{Constraints, Error, FitReport, FitStep, Status, Target};
 use nalgebra::SVector;
 use nurbs_core::BsplineCurve;
+use sdm_core::{FootpointPolicy, Robust};
 
 /// Points on which the number of control points is chosen at most.
 pub(super) const CHOICE: usize = 20_000;
+/// Least `λ` while knots are missing.
+pub(super) const COARSE: f64 = 1e-6;
 /// Least damping of steps while points are followed: without it the curve slides along itself and makes loops where there are no points.
 const FOLLOWED: f64 = 0.1;
 /// Change of the cost that ends such runs: damped steps creep.
@@ -27,7 +29,7 @@ pub(super) const SMOOTHER: [f64; 4] = [4.0, 16.0, 64.0, 256.0];
 /// Which runs were kept.
 #[derive(Clone)]
 pub(super) struct Kept<const D: usize> {
-    history: Vec<StepRecord>,
+    history: Vec<FitStep>,
     evolution: Vec<BsplineCurve<D>>,
     stages: Vec<bool>,
     follows: bool,
@@ -48,7 +50,7 @@ pub(super) struct Work<'a, const D: usize> {
     pub(super) size: f64,
     progress: Progress<'a>,
     pub(super) stages: Vec<StageRecord>,
-    pub(super) history: Vec<StepRecord>,
+    pub(super) history: Vec<FitStep>,
     pub(super) evolution: Vec<BsplineCurve<D>>,
     pub(super) cancelled: bool,
     /// Whether each point keeps to the part of the curve that its foot is on, instead of looking for the nearest one: a curve that begins
@@ -174,7 +176,7 @@ impl<'a, const D: usize> Work<'a, D> {
         if self.follows {
             // Knots are where the curve bends, and the number of control points is what noise limits: energy only bridges gaps.
             let smoothing = match fit.smoothing {
-                Smoothing::Automatic { .. } => Smoothing::Fixed { lambda: adapt::COARSE },
+                Smoothing::Automatic { .. } => Smoothing::Fixed { lambda: COARSE },
                 smoothing => smoothing,
             };
             return fit

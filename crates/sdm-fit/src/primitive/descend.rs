@@ -1,23 +1,34 @@
 //! A quick descent on a few points, for searches with many starts: normal equations in arrays of fixed size.
 
+use super::minimise::{Moved, SLIGHT_DAMPING};
 use super::model::{MAX_UNKNOWNS, Model, Step};
 use super::sums::Worth;
 use nalgebra::SVector;
+use sdm_core::{
+    Controller, Problem, Status, StepControl, StepDirection, StepLimits, StepTaken, Stop, minimise,
+};
+use std::convert::Infallible;
 
-/// Damping below which a short step means that the gradient is small.
-const FREE: f64 = 1.0;
+/// Control of the steps; dampings are squared shares of the lengths of the columns. The cost has to fall.
+const LIMITS: StepLimits = StepLimits {
+    decrease: 1e-4,
+    shortest: 1e-6,
+    first: 1e-3,
+    least: 1e-14,
+    last: 1e10,
+    drops: false,
+    slack: 0.0,
+};
 
 /// A shape on its way down.
 #[derive(Clone, Debug)]
 pub(super) struct Trial<M> {
     pub(super) model: M,
     pub(super) cost: f64,
-    /// Whether the last step was shorter than asked for.
-    pub(super) settled: bool,
 }
 
 /// Gauss-Newton matrix, gradient and cost.
-struct Normal {
+pub(super) struct Normal {
     matrix: [[f64; MAX_UNKNOWNS]; MAX_UNKNOWNS],
     vector: Step,
     lengths: Step,
@@ -106,43 +117,84 @@ pub(super) fn descend<const D: usize, M: Model<D>>(
     steps: usize,
     inside: bool,
 ) -> Trial<M> {
-    let cost_of = |model: &M| points.iter().map(|x| worth.of(model.distance_sq(x)).0).sum::<f64>();
-    let mut trial = Trial { cost: cost_of(&model), model, settled: false };
     let short = settled * (points.len() as f64).sqrt();
-    let mut damping = 1e-3;
-    let mut left = steps;
-    'lower: while left > 0 && trial.cost.is_finite() {
-        let normal = Normal::new(&trial.model, points, worth);
-        while damping < 1e10 && left > 0 {
-            let Some(step) = normal.step(M::UNKNOWNS, damping) else {
-                damping = (damping * 10.0).max(1e-14);
-                left -= 1;
-                continue;
-            };
-            let motion = step[..M::UNKNOWNS].iter().map(|s| s * s).sum::<f64>().sqrt();
-            if motion <= short && damping < FREE {
-                trial.settled = true;
-                return trial;
-            }
-            left -= 1;
-            let mut change = [0.0; MAX_UNKNOWNS];
-            for i in 0..M::UNKNOWNS {
-                change[i] = step[i] / normal.lengths[i];
-            }
-            let moved = trial.model.moved(&change);
-            if let Some(next) = if inside { moved.and_then(M::made_proper) } else { moved } {
-                let cost = cost_of(&next);
-                if cost < trial.cost {
-                    (trial.model, trial.cost) = (next, cost);
-                    damping = (damping * 0.1).max(1e-14);
-                    continue 'lower;
-                }
-            }
-            damping *= 10.0;
+    let cost = cost_of(&model, points, worth);
+    let mut problem = Descent { model, cost, points, worth, short, left: steps, inside };
+    let mut control = Controller::new(StepControl::LevenbergMarquardt, LIMITS);
+    let Ok(_) = minimise(&mut problem, &mut control, usize::MAX);
+    Trial { model: problem.model, cost: problem.cost }
+}
+
+fn cost_of<const D: usize, M: Model<D>>(model: &M, points: &[SVector<f64, D>], worth: Worth) -> f64 {
+    points.iter().map(|x| worth.of(model.distance_sq(x)).0).sum()
+}
+
+struct Descent<'a, const D: usize, M> {
+    model: M,
+    cost: f64,
+    points: &'a [SVector<f64, D>],
+    worth: Worth,
+    /// Length of a step that is short.
+    short: f64,
+    /// Steps that may still be tried.
+    left: usize,
+    inside: bool,
+}
+
+impl<const D: usize, M: Model<D>> Problem for Descent<'_, D, M> {
+    type Linear = Normal;
+    type Step = Step;
+    type Trial = Moved<M>;
+    type Error = Infallible;
+
+    fn linearise(&mut self) -> Result<Normal, Stop<Infallible>> {
+        if self.left == 0 {
+            return Err(Stop::Ended(Status::MaxIterations));
         }
-        // No step lowers the cost.
-        trial.settled = left > 0;
-        return trial;
+        if !self.cost.is_finite() {
+            return Err(Stop::Ended(Status::Diverged));
+        }
+        Ok(Normal::new(&self.model, self.points, self.worth))
     }
-    trial
+
+    fn cost(&self, _: &Normal) -> f64 {
+        self.cost
+    }
+
+    fn direction(&mut self, normal: &Normal, damping: f64) -> Result<StepDirection<Step>, Stop<Infallible>> {
+        if self.left == 0 {
+            return Err(Stop::Ended(Status::MaxIterations));
+        }
+        let Some(step) = normal.step(M::UNKNOWNS, damping) else {
+            self.left -= 1;
+            return Ok(StepDirection::Singular);
+        };
+        let motion = step[..M::UNKNOWNS].iter().map(|s| s * s).sum::<f64>().sqrt();
+        if motion <= self.short && damping < SLIGHT_DAMPING {
+            return Err(Stop::Ended(Status::Converged));
+        }
+        let slope = -2.0 * step.iter().zip(&normal.vector).map(|(s, v)| s * v).sum::<f64>();
+        Ok(StepDirection::along(step, slope))
+    }
+
+    fn advance(
+        &mut self,
+        normal: &Normal,
+        step: &Step,
+        factor: f64,
+    ) -> Result<Option<Moved<M>>, Stop<Infallible>> {
+        self.left -= 1;
+        let mut change = [0.0; MAX_UNKNOWNS];
+        for i in 0..M::UNKNOWNS {
+            change[i] = factor * step[i] / normal.lengths[i];
+        }
+        let moved = self.model.moved(&change);
+        let moved = if self.inside { moved.and_then(M::made_proper) } else { moved };
+        Ok(moved.map(|model| Moved { cost: cost_of(&model, self.points, self.worth), model }))
+    }
+
+    fn accept(&mut self, _: Normal, trial: Moved<M>, _: StepTaken) -> Result<(), Stop<Infallible>> {
+        (self.model, self.cost) = (trial.model, trial.cost);
+        Ok(())
+    }
 }

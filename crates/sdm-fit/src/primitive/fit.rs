@@ -110,7 +110,7 @@ pub(super) fn fit<const D: usize, M: Model<D>>(
     let everything: Vec<usize> = (0..cloud.points.len()).collect();
     let rule = match options.outliers {
         PrimitiveOutliers::None => None,
-        PrimitiveOutliers::Trimmed { share } => Some(Rule::Trimmed(share)),
+        PrimitiveOutliers::Trimmed { outliers } => Some(Rule::Trimmed(1.0 - outliers)),
         PrimitiveOutliers::Tukey { abs_scale } => Some(Rule::Tukey(abs_scale.map(|s| s / scale))),
     };
     let redundancy = |used: &[usize]| (cloud.different(used) * M::ROWS).saturating_sub(M::UNKNOWNS);

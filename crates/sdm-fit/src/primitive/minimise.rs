@@ -4,6 +4,11 @@ use super::PrimitiveStatus;
 use super::model::{MAX_UNKNOWNS, Model, Step};
 use super::sums::{Worth, cost, factor, gradient};
 use nalgebra::{Cholesky, DMatrix, DVector, SVector};
+use sdm_core::{
+    Controller, Problem, Status, StepControl, StepDirection, StepLimits, StepTaken, Stop, Trial,
+    minimise as iterate,
+};
+use std::convert::Infallible;
 
 /// Share of the largest singular value up to which a motion leaves the distances as they are.
 const UNDETERMINED: f64 = 1e-12;
@@ -27,7 +32,7 @@ pub(super) struct Minimum<M> {
 }
 
 /// The linearised problem with columns of unit length.
-struct Linear {
+pub(super) struct Linear {
     /// `R`, its columns divided by `lengths`.
     r: DMatrix<f64>,
     q: DVector<f64>,
@@ -119,7 +124,20 @@ fn is_exact(cost: f64, points: usize) -> bool {
     cost <= ROUNDING_SQ * points as f64
 }
 
-/// Levenberg and Marquardt until a full step moves the shape by less than `settled`. False if steps run out.
+/// Control of the steps; dampings are squared shares of the lengths of the columns. The cost has to fall.
+const LIMITS: StepLimits = StepLimits {
+    decrease: 1e-4,
+    shortest: 1e-6,
+    first: 1e-3,
+    least: 1e-15,
+    last: 1e12,
+    drops: false,
+    slack: 0.0,
+};
+/// Damping below which a short step means that the gradient is small.
+pub(super) const SLIGHT_DAMPING: f64 = 1.0;
+
+/// Levenberg and Marquardt until a full step moves the shape by less than `settled`, or none lowers the cost. False if steps run out.
 fn approach<const D: usize, M: Model<D>>(
     found: &mut Minimum<M>,
     points: &[SVector<f64, D>],
@@ -127,35 +145,80 @@ fn approach<const D: usize, M: Model<D>>(
     settled: f64,
     max_iterations: usize,
 ) -> bool {
-    let root = (points.len() as f64).sqrt();
-    let mut damping = 1e-3;
-    loop {
-        let linear = Linear::new(&factor(&found.model, points, worth));
-        found.conditioning = linear.conditioning;
-        let mut lowered = false;
-        while damping < 1e12 {
-            let Some(step) = linear.step(damping) else { break };
-            if step.norm() <= settled * root && damping < 1.0 {
-                return true;
-            }
-            if found.iterations >= max_iterations {
-                return false;
-            }
-            let trial = found.model.moved(&linear.unscaled(&step));
-            found.iterations += 1;
-            if let Some(model) = trial {
-                let next = cost(&model, points, worth);
-                if next < found.cost {
-                    (found.model, found.cost, lowered) = (model, next, true);
-                    damping = (damping * 0.1).max(1e-15);
-                    break;
-                }
-            }
-            damping *= 10.0;
+    let short = settled * (points.len() as f64).sqrt();
+    let mut problem = Approach { found, points, worth, short, max_iterations };
+    let mut control = Controller::new(StepControl::LevenbergMarquardt, LIMITS);
+    let Ok(status) = iterate(&mut problem, &mut control, usize::MAX);
+    status != Status::MaxIterations
+}
+
+struct Approach<'a, const D: usize, M> {
+    found: &'a mut Minimum<M>,
+    points: &'a [SVector<f64, D>],
+    worth: Worth,
+    /// Length of a step that is short.
+    short: f64,
+    max_iterations: usize,
+}
+
+/// A shape that a step leads to.
+pub(super) struct Moved<M> {
+    pub(super) model: M,
+    pub(super) cost: f64,
+}
+
+impl<M> Trial for Moved<M> {
+    fn cost(&self) -> f64 {
+        self.cost
+    }
+}
+
+impl<const D: usize, M: Model<D>> Problem for Approach<'_, D, M> {
+    type Linear = Linear;
+    type Step = DVector<f64>;
+    type Trial = Moved<M>;
+    type Error = Infallible;
+
+    fn linearise(&mut self) -> Result<Linear, Stop<Infallible>> {
+        let linear = Linear::new(&factor(&self.found.model, self.points, self.worth));
+        self.found.conditioning = linear.conditioning;
+        Ok(linear)
+    }
+
+    fn cost(&self, _: &Linear) -> f64 {
+        self.found.cost
+    }
+
+    fn direction(
+        &mut self,
+        linear: &Linear,
+        damping: f64,
+    ) -> Result<StepDirection<DVector<f64>>, Stop<Infallible>> {
+        let Some(step) = linear.step(damping) else { return Err(Stop::Ended(Status::Stalled)) };
+        if step.norm() <= self.short && damping < SLIGHT_DAMPING {
+            return Err(Stop::Ended(Status::Converged));
         }
-        if !lowered {
-            return true;
+        let slope = 2.0 * linear.r.tr_mul(&linear.q).dot(&step);
+        Ok(StepDirection::along(step, slope))
+    }
+
+    fn advance(
+        &mut self,
+        linear: &Linear,
+        step: &DVector<f64>,
+        factor: f64,
+    ) -> Result<Option<Moved<M>>, Stop<Infallible>> {
+        if self.found.iterations >= self.max_iterations {
+            return Err(Stop::Ended(Status::MaxIterations));
         }
+        self.found.iterations += 1;
+        let moved = self.found.model.moved(&linear.unscaled(&(step * factor)));
+        Ok(moved.map(|model| Moved { cost: cost(&model, self.points, self.worth), model }))
+    }
+
+    fn accept(&mut self, _: Linear, trial: Moved<M>, _: StepTaken) -> Result<(), Stop<Infallible>> {
+        (self.found.model, self.found.cost) = (trial.model, trial.cost);
+        Ok(())
     }
 }
 

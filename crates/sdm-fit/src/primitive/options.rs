@@ -14,10 +14,10 @@ pub enum PrimitiveOutliers {
         /// Distance from which points do not count; `None` finds 4.685 standard deviations of the inliers.
         abs_scale: Option<f64>,
     },
-    /// Least squares over the given share of points, those with the smallest distances.
+    /// The given share of the points, those that are furthest, does not count.
     Trimmed {
-        /// Share of the points that count, in (0, 1].
-        share: f64,
+        /// In `[0, 1)`.
+        outliers: f64,
     },
 }
 
@@ -69,8 +69,8 @@ impl PrimitiveOptions {
     /// Checks every number.
     pub(super) fn check(&self) -> Result<(), Error> {
         match self.outliers {
-            PrimitiveOutliers::Trimmed { share } if !(share > 0.0 && share <= 1.0) => {
-                Err(Error::Option { name: "share", value: share, allowed: "in (0, 1]" })
+            PrimitiveOutliers::Trimmed { outliers } if !(0.0..1.0).contains(&outliers) => {
+                Err(Error::Option { name: "outliers", value: outliers, allowed: "in [0, 1)" })
             }
             PrimitiveOutliers::Tukey { abs_scale: Some(scale) } if !(scale > 0.0 && scale.is_finite()) => {
                 Err(Error::Option { name: "abs_scale", value: scale, allowed: "a positive number" })

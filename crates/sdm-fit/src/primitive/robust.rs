@@ -141,7 +141,7 @@ pub(super) fn robust<const D: usize, M: Model<D>>(
     starts.truncate(most);
     let closer = |points: &[SVector<f64, D>], model: M, rounds: usize| {
         let model = concentrated(model, points, nearing, rounds);
-        Trial { cost: score(&model, points, nearing), model, settled: true }
+        Trial { cost: score(&model, points, nearing), model }
     };
     let mut tried = parallel::tasks(starts.len(), |k| closer(&judges, starts[k].1.clone(), 3));
     tried.sort_by(|a, b| a.cost.total_cmp(&b.cost));

@@ -59,7 +59,8 @@ pub fn initial_ruled(
     let Some((_, base)) = best else {
         return Err(Error::Degenerate { shape: "a ruled surface", what: "on one side of every axis" });
     };
-    let surface = approximate(&local, &base, knots(base.shape, size)?)?.translated(&middle)?;
+    let surface =
+        approximate(&local, base.shape, &base.parameters, knots(base.shape, size)?)?.translated(&middle)?;
     Ok(InitialSurface { surface, base: base.shape, parameters: base.parameters })
 }
 
@@ -97,7 +98,7 @@ fn misfit(points: &[Vector3<f64>], base: &Base, size: NetSize) -> Result<f64, Er
     let step = points.len().div_ceil(CHOOSERS).max(1);
     let thin: Vec<Vector3<f64>> = points.iter().copied().step_by(step).collect();
     let base = Base { parameters: base.parameters.iter().copied().step_by(step).collect(), ..base.clone() };
-    let surface: BsplineSurface = approximate(&thin, &base, knots(base.shape, size)?)?;
+    let surface: BsplineSurface = approximate(&thin, base.shape, &base.parameters, knots(base.shape, size)?)?;
     let square = |(x, [u, v]): (&Vector3<f64>, &[f64; 2])| {
         let jet = surface.jet(*u, *v);
         let residual = x - jet.point;

@@ -1,7 +1,7 @@
 //! Points that cannot belong to a surface count for the report nevertheless.
 
-use super::fit::SurfaceFit;
 use super::options::SurfaceOptions;
+use super::report::SurfaceFit;
 use super::runs::share_within;
 use crate::cloud_kind::distance_of_far;
 use distance_field::PrincipalFrame;

@@ -1,6 +1,7 @@
 //! Base shapes: parameters of a cloud by projection.
 
-use super::initial::{BaseShape, NetSize, approximate, knots};
+use super::approximate::{approximate, knots};
+use super::base_shape::{BaseShape, NetSize};
 use crate::Error;
 use crate::cloud_kind::tight_axes;
 use crate::primitive::{PrimitiveOptions, fit_torus, start};
@@ -59,7 +60,7 @@ fn misfit(points: &[Vector3<f64>], base: &Base) -> Option<f64> {
     let side = if thin.len() < 400 { 5 } else { 10 };
     let coarse = Base { parameters, ..base.clone() };
     let size = NetSize { controls: [side, side], ..NetSize::default() };
-    let surface = approximate(&thin, &coarse, knots(base.shape, size).ok()?).ok()?;
+    let surface = approximate(&thin, coarse.shape, &coarse.parameters, knots(base.shape, size).ok()?).ok()?;
     let square = |(x, p): (&Vector3<f64>, &[f64; 2])| (x - surface.point(p[0], p[1])).norm_squared();
     let sum: f64 = thin.iter().zip(&coarse.parameters).map(square).sum();
     Some((sum / thin.len() as f64).sqrt())

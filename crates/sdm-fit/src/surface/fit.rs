@@ -1,75 +1,28 @@
 //! Surfaces fitted to clouds.
 
 use super::apart::{kept, with_apart};
+use super::base_shape::BaseShape;
+use super::conic_starts::conic_starts;
 use super::folds::Folds;
 use super::given;
-use super::initial::{BaseShape, initial_surface};
+use super::initial::initial_surface;
 use super::judge::surface_frames;
 use super::options::SurfaceOptions;
-use super::rational::{EXACT, conic_starts, improved};
+use super::rational::{EXACT, improved};
+use super::report::{SurfaceFit, SurfaceReport};
 use super::runs::{Outcome, Runs, share_within};
 use super::tolerance::fit_to_tolerance;
 use super::{ActiveSurface, InitialSurface};
 use crate::cloud_kind::{CloudKind, cloud_kind, measurable};
 use crate::coverage_surface::{SurfaceCoverage, noise_of};
 use crate::iterate::{Progress, no_progress};
-use crate::options::Robust;
 use crate::polish::may_vanish;
+use crate::report::status_within;
 use crate::{Error, FitReport, Status, Target};
 use distance_field::PrincipalFrame;
 use nalgebra::Vector3;
-use nurbs_core::{BsplineSurface, TrimLoops};
-
-/// How the fit of a surface went.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub struct SurfaceReport {
-    /// The last run of the loop; its history is that of all runs.
-    pub fit: FitReport,
-    /// What gave the first parameters; `None` for a start that was given.
-    pub base: Option<BaseShape>,
-    /// Control points in u and v that are not repetitions.
-    #[cfg_attr(feature = "serde", serde(rename = "control_points"))]
-    pub controls: [usize; 2],
-    /// Runs of the loop, one for each knot refinement and one to begin with.
-    pub runs: usize,
-    /// Share of the points within the tolerance, if there is one.
-    pub share_within: Option<f64>,
-    /// Whether the tolerance holds; true without one.
-    pub within_tolerance: bool,
-    /// Cells in which the surface folds back on itself.
-    pub folds: Folds,
-    /// How near the parts of the surface, as far as the data go, are to the points, unless that was not asked for.
-    pub coverage: Option<SurfaceCoverage>,
-    /// The loops that bound what of the surface is near points, where parts of it are not; `None` where it is whole.
-    #[cfg_attr(feature = "serde", serde(skip))]
-    pub trim: Option<TrimLoops>,
-    /// Points left out because they are not finite.
-    #[cfg_attr(feature = "serde", serde(rename = "points_dropped"))]
-    pub dropped: usize,
-}
-
-impl std::fmt::Display for SurfaceReport {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let [u, v] = self.controls;
-        write!(f, "{}, {u} × {v} control points", self.fit)?;
-        match self.folds.count() {
-            0 => Ok(()),
-            folds => write!(f, ", {folds} of {} cells folded", self.folds.cells),
-        }
-    }
-}
-
-/// A surface and how it came about.
-#[derive(Clone, Debug)]
-pub struct SurfaceFit {
-    /// The surface.
-    pub surface: BsplineSurface,
-    /// How it came about.
-    pub report: SurfaceReport,
-    /// The frame of every finite point at its foot, with its parameters as hint.
-    pub frames: Vec<PrincipalFrame<3>>,
-}
+use nurbs_core::BsplineSurface;
+use sdm_core::Robust;
 
 /// Fits a surface to a cloud of which nothing is known (\[P05, sec. 4.2 and 4.4\]).
 ///
@@ -294,7 +247,7 @@ pub(super) fn concluded(
     };
     let share_within = options.abs_tolerance.map(|tolerance| share_within(&frames, tolerance));
     let within_tolerance = share_within.is_none_or(|share| share >= options.share);
-    let status = fit.status.within(share_within.is_some() && within_tolerance);
+    let status = status_within(fit.status, share_within.is_some() && within_tolerance);
     let report = SurfaceReport {
         fit: FitReport { status, ..fit },
         base: None,

@@ -3,7 +3,6 @@
 use super::ActiveSurface;
 use super::given::bending;
 use crate::cloud_kind::{distance_of_far, measurable};
-use crate::options::Robust;
 use crate::target::{Feet, Samples};
 use crate::weights::{measure, weights};
 use crate::{Error, FitOptions, parallel};
@@ -12,6 +11,7 @@ use footpoint::Status as FootStatus;
 use mesh_core::CloudIndex;
 use nalgebra::{Point3, Vector3};
 use nurbs_core::{BsplineSurface, Direction, Interval, ParametricSurface};
+use sdm_core::Robust;
 
 /// What a surface costs.
 #[derive(Clone, Copy, Debug, PartialEq)]

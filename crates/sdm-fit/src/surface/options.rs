@@ -1,6 +1,6 @@
 //! Options of surface fits.
 
-use super::initial::{BaseShape, NetSize};
+use super::base_shape::{BaseShape, NetSize};
 use crate::{Error, FitOptions};
 
 /// Factor of the fairing by default: the least that leaves no folds in noisy scans.

@@ -7,7 +7,7 @@ use super::options::SurfaceOptions;
 use crate::iterate::{Progress, fit_with_progress};
 use crate::polish::{nearly_exact, polished};
 use crate::shape::ActiveShape;
-use crate::{Constraints, Error, FitOptions, Fitted, Smoothing, Status, StepRecord, Target};
+use crate::{Constraints, Error, FitOptions, FitStep, Fitted, Smoothing, Status, Target};
 use distance_field::PrincipalFrame;
 use nalgebra::Vector3;
 use nurbs_core::BsplineSurface;
@@ -32,7 +32,7 @@ pub(super) struct Runs<'a> {
     target: Target<'a, 3>,
     pub(super) options: &'a SurfaceOptions,
     progress: Progress<'a>,
-    pub(super) history: Vec<StepRecord>,
+    pub(super) history: Vec<FitStep>,
     pub(super) count: usize,
     /// Root mean square distance of the start of the first.
     pub(super) initial_rms: f64,

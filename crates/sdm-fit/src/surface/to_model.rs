@@ -1,9 +1,10 @@
 //! Surfaces fitted to models: distances from sensor points of the surface, orthogonal to the model.
 
-use super::fit::{Run, SurfaceFit, concluded, fit_surface_with_progress};
+use super::fit::{Run, concluded, fit_surface_with_progress};
 use super::initial::initial_surface;
 use super::judge::surface_frames;
 use super::options::SurfaceOptions;
+use super::report::SurfaceFit;
 use super::runs::{Outcome, Runs};
 use crate::iterate::{Progress, no_progress};
 use crate::{Error, FitReport, Smoothing, Target};

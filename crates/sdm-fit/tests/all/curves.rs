@@ -242,7 +242,7 @@ fn outliers_can_be_left_out() {
 #[test]
 fn cancelling_returns_the_curve_so_far() {
     let data = noisy_lobes(200, 0.05, 2);
-    let stop = |record: &sdm_fit::StepRecord| {
+    let stop = |record: &sdm_fit::FitStep| {
         if record.iteration >= 3 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
     let fitted =

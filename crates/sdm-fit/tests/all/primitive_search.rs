@@ -62,7 +62,7 @@ fn short_pieces_of_tori_are_found_again() {
 #[test]
 fn a_torus_among_outliers() {
     let cloud = points("torus_outliers.xyz");
-    for outliers in [TUKEY, PrimitiveOutliers::Trimmed { share: 0.55 }] {
+    for outliers in [TUKEY, PrimitiveOutliers::Trimmed { outliers: 0.45 }] {
         let found = fit_torus(&cloud, &PrimitiveOptions::default().with_outliers(outliers)).unwrap();
         assert!(found.is_converged() && found.used == 110, "{outliers:?}: {found}");
         assert!(found.rms < 1.1e-3 && found.miss_probability < 0.05);

@@ -289,7 +289,7 @@ fn outliers_are_told_apart() {
         let (clean, ..) = fit(name, &placed(name), &PrimitiveOptions::default()).unwrap();
         for outliers in [
             PrimitiveOutliers::Tukey { abs_scale: None },
-            PrimitiveOutliers::Trimmed { share: inliers as f64 / points.len() as f64 },
+            PrimitiveOutliers::Trimmed { outliers: 1.0 - inliers as f64 / points.len() as f64 },
         ] {
             let options = PrimitiveOptions::default().with_outliers(outliers);
             let (found, _, rms) = fit(name, &points, &options).unwrap();
@@ -392,8 +392,8 @@ fn bad_input_is_an_error_or_a_status() {
     // A circle leaves the sphere open.
     let ring: Vec<_> = (0..30).map(f64::from).map(|t| Vector3::new(t.cos(), t.sin(), 0.0)).collect();
     assert!(matches!(fit_sphere(&ring, &options), Err(Error::Degenerate { .. })));
-    let share = options.with_outliers(PrimitiveOutliers::Trimmed { share: 0.0 });
-    assert!(matches!(fit_sphere(&broken, &share), Err(Error::Option { name: "share", .. })));
+    let all = options.with_outliers(PrimitiveOutliers::Trimmed { outliers: 1.0 });
+    assert!(matches!(fit_sphere(&broken, &all), Err(Error::Option { name: "outliers", .. })));
 }
 
 #[test]

@@ -1,6 +1,10 @@
 //! A short registration on the grid of samples: enough to tell a good placement from a bad one.
 
 use nalgebra::{Matrix6, Vector3, Vector6};
+use sdm_core::{
+    Controller, Problem, Status, StepControl, StepDirection, StepLimits, StepTaken, Stop, Trial, minimise,
+};
+use std::convert::Infallible;
 
 use super::{OrientedPoints, placement::Placement, score::Scorer};
 
@@ -20,31 +24,98 @@ pub(crate) const OUTLYING: f64 = 3.0;
 /// Gauss-Newton steps for distances to tangent planes with Tukey's weights, down to the distance limit `finest`, or to the
 /// spread of the distances where the cloud deviates more from the model.
 pub(crate) fn refine(
-    mut placement: Placement,
+    placement: Placement,
     scorer: &Scorer,
     cloud: &OrientedPoints,
     count: usize,
     finest: f64,
 ) -> Placement {
-    let (mut step_count, mut limit, mut rounds, mut finest) = (0, LIMITS[0], 0, finest);
-    while rounds < ROUNDS {
-        let (matrix, rhs) = normal_equations(&placement, scorer, cloud, count, limit);
-        let Some((step, size)) = solve(matrix, &rhs) else { return placement };
-        placement = placement.moved(step.fixed_rows::<3>(0).into(), step.fixed_rows::<3>(3).into());
-        if limit <= finest {
-            rounds += 1;
-            if size < 1e-6 {
-                break;
+    let mut descent =
+        Descent { placement, scorer, cloud, count, finest, limit: LIMITS[0], steps: 0, rounds: 0 };
+    let mut control = Controller::new(StepControl::None, StepLimits::default());
+    let Ok(_) = minimise(&mut descent, &mut control, usize::MAX);
+    descent.placement
+}
+
+/// Whole steps under a distance limit that becomes smaller.
+struct Descent<'a> {
+    placement: Placement,
+    scorer: &'a Scorer,
+    cloud: &'a OrientedPoints,
+    /// How many of the points count.
+    count: usize,
+    finest: f64,
+    limit: f64,
+    steps: usize,
+    /// Steps at the finest limit.
+    rounds: usize,
+}
+
+/// The placement that a step leads to. The next step has another limit, and with it another cost.
+struct Moved(Placement, f64);
+
+impl Trial for Moved {
+    fn cost(&self) -> f64 {
+        f64::NAN
+    }
+}
+
+impl Problem for Descent<'_> {
+    type Linear = (Matrix6<f64>, Vector6<f64>);
+    type Step = (Vector6<f64>, f64);
+    type Trial = Moved;
+    type Error = Infallible;
+
+    fn linearise(&mut self) -> Result<Self::Linear, Stop<Infallible>> {
+        Ok(normal_equations(&self.placement, self.scorer, self.cloud, self.count, self.limit))
+    }
+
+    fn cost(&self, _: &Self::Linear) -> f64 {
+        f64::NAN
+    }
+
+    fn direction(
+        &mut self,
+        linear: &Self::Linear,
+        _: f64,
+    ) -> Result<StepDirection<Self::Step>, Stop<Infallible>> {
+        match solve(linear.0, &linear.1) {
+            Some(step) => Ok(StepDirection::along(step, 0.0)),
+            None => Err(Stop::Ended(Status::Singular)),
+        }
+    }
+
+    fn advance(
+        &mut self,
+        _: &Self::Linear,
+        (step, size): &Self::Step,
+        _: f64,
+    ) -> Result<Option<Moved>, Stop<Infallible>> {
+        let moved = self.placement.moved(step.fixed_rows::<3>(0).into(), step.fixed_rows::<3>(3).into());
+        Ok(Some(Moved(moved, *size)))
+    }
+
+    fn accept(
+        &mut self,
+        _: Self::Linear,
+        Moved(placement, size): Moved,
+        _: StepTaken,
+    ) -> Result<(), Stop<Infallible>> {
+        self.placement = placement;
+        if self.limit <= self.finest {
+            self.rounds += 1;
+            if size < 1e-6 || self.rounds == ROUNDS {
+                return Err(Stop::Ended(Status::Converged));
             }
         }
-        step_count += 1;
-        if step_count == LIMITS.len() {
-            finest =
-                finest.max(OUTLYING * scorer.spread(&placement, cloud, count)).min(LIMITS[LIMITS.len() - 1]);
+        self.steps += 1;
+        if self.steps == LIMITS.len() {
+            let spread = self.scorer.spread(&self.placement, self.cloud, self.count);
+            self.finest = self.finest.max(OUTLYING * spread).min(LIMITS[LIMITS.len() - 1]);
         }
-        limit = LIMITS.get(step_count).copied().unwrap_or(limit * SHRINK).max(finest);
+        self.limit = LIMITS.get(self.steps).copied().unwrap_or(self.limit * SHRINK).max(self.finest);
+        Ok(())
     }
-    placement
 }
 
 /// Number of independent motions that the distances do not resist: 3 for a sphere, 0 for most shapes.

@@ -1,8 +1,12 @@
 //! The loop: match, solve, move, until nothing moves.
 
 use footpoint::Progress;
-use nalgebra::Vector3;
+use nalgebra::{Vector3, Vector6};
 use nurbs_core::Aabb;
+use sdm_core::{
+    Controller, Problem, Status, StepControl, StepDirection, StepLimits, StepTaken, Stop, Trial, minimise,
+};
+use std::convert::Infallible;
 
 use super::ViewsOptions;
 use super::chain;
@@ -158,23 +162,17 @@ impl<'a> Run<'a> {
         if self.pairs.is_empty() {
             return ViewsStatus::NoOverlap;
         }
-        let all = self.options.points_per_view;
-        let mut count = COARSE_POINTS.min(all);
-        let mut fine = count == all;
-        for step in 0..self.options.max_iterations {
-            if progress(step, self.options.max_iterations).is_break() {
-                return ViewsStatus::Cancelled;
-            }
-            let Some((motion, system)) = self.step(count) else { return ViewsStatus::NoOverlap };
-            if fine && motion <= self.options.tolerance.max(NEGLIGIBLE * system.standard_error()) {
-                return self.verdict(&system);
-            }
-            if !fine && motion <= COARSE_MOTION {
-                (fine, count) = (true, all);
-                self.link(count);
-            }
+        let count = COARSE_POINTS.min(self.options.points_per_view);
+        let limit = self.options.max_iterations;
+        let mut steps = Steps { run: self, progress, count, last: None };
+        let Ok(status) =
+            minimise(&mut steps, &mut Controller::new(StepControl::None, StepLimits::default()), limit);
+        match (status, steps.last) {
+            (Status::Converged, Some(system)) => self.verdict(&system),
+            (Status::NoOverlap, _) => ViewsStatus::NoOverlap,
+            (Status::Cancelled, _) => ViewsStatus::Cancelled,
+            _ => ViewsStatus::MaxIterations,
         }
-        ViewsStatus::MaxIterations
     }
 
     fn verdict(&self, system: &System) -> ViewsStatus {
@@ -233,32 +231,6 @@ impl<'a> Run<'a> {
         self.poses.iter().map(|pose| pose.shift).collect()
     }
 
-    /// One step; returns the largest motion of a view and the system, `None` if there is nothing to match any more.
-    fn step(&mut self, count: usize) -> Option<(f64, System)> {
-        let rules = self.rules(self.limit.max(LEAST_LIMIT));
-        let matches = find(&mut self.views, &self.poses, &self.pairs, count, &rules);
-        let limit = robust_limit(&matches)?.min(rules.limit);
-        let system = System::new(&matches, &self.held(), self.places(), limit);
-        let twists = system.solve()?;
-        let mut motion: f64 = 0.0;
-        for (view, (pose, twist)) in self.poses.iter_mut().zip(&twists).enumerate() {
-            let (rotation, translation) =
-                (twist.fixed_rows::<3>(0).into_owned(), twist.fixed_rows::<3>(3).into_owned());
-            let before = pose.shift;
-            *pose = pose.moved(rotation, translation);
-            motion = motion.max((pose.shift - before).norm() + rotation.norm() * self.views[view].radius);
-        }
-        self.history.push(ViewsStep {
-            count: matches.iter().map(|pair| pair.list.len()).sum(),
-            rms: (system.cost / system.weight.max(f64::MIN_POSITIVE)).sqrt() * self.scale,
-            limit: limit * self.scale,
-            motion: motion * self.scale,
-        });
-        // Later matches may be no farther than now: with a margin, since other points are matched after a motion.
-        self.limit = self.limit.min((2.0 * limit).max(LEAST_LIMIT)).max(2.0 * motion);
-        Some((motion, system))
-    }
-
     fn report(mut self, views: &[View], status: ViewsStatus) -> ViewsReport {
         let count = self.options.points_per_view;
         let pairs = std::mem::take(&mut self.pairs);
@@ -312,6 +284,109 @@ impl<'a> Run<'a> {
             rms: rms(&after.iter().collect::<Vec<_>>()) * self.scale,
             history: self.history,
         }
+    }
+}
+
+/// The Gauss-Newton method in the motions of all views: whole steps, since matches change with each of them.
+struct Steps<'r, 'a> {
+    run: &'r mut Run<'a>,
+    progress: Progress<'r>,
+    /// Points per view.
+    count: usize,
+    /// The system of the last step.
+    last: Option<System>,
+}
+
+/// Matches of the present poses, and what follows from them.
+struct Linear {
+    matched: usize,
+    system: System,
+    limit: f64,
+}
+
+/// The poses that a step leads to. Their cost is not known before points are matched again.
+struct Moved {
+    poses: Vec<Placement>,
+    /// The largest motion of a point.
+    motion: f64,
+}
+
+impl Trial for Moved {
+    fn cost(&self) -> f64 {
+        f64::NAN
+    }
+}
+
+impl Problem for Steps<'_, '_> {
+    type Linear = Linear;
+    type Step = Vec<Vector6<f64>>;
+    type Trial = Moved;
+    type Error = Infallible;
+
+    fn linearise(&mut self) -> Result<Linear, Stop<Infallible>> {
+        let run = &mut *self.run;
+        if (self.progress)(run.history.len(), run.options.max_iterations).is_break() {
+            return Err(Stop::Ended(Status::Cancelled));
+        }
+        let rules = run.rules(run.limit.max(LEAST_LIMIT));
+        let matches = find(&mut run.views, &run.poses, &run.pairs, self.count, &rules);
+        let Some(limit) = robust_limit(&matches) else { return Err(Stop::Ended(Status::NoOverlap)) };
+        let limit = limit.min(rules.limit);
+        let system = System::new(&matches, &run.held(), run.places(), limit);
+        Ok(Linear { matched: matches.iter().map(|pair| pair.list.len()).sum(), system, limit })
+    }
+
+    fn cost(&self, linear: &Linear) -> f64 {
+        linear.system.cost
+    }
+
+    fn direction(&mut self, linear: &Linear, _: f64) -> Result<StepDirection<Self::Step>, Stop<Infallible>> {
+        match linear.system.solve() {
+            Some(twists) => Ok(StepDirection::along(twists, 0.0)),
+            None => Err(Stop::Ended(Status::NoOverlap)),
+        }
+    }
+
+    fn advance(
+        &mut self,
+        _: &Linear,
+        twists: &Self::Step,
+        factor: f64,
+    ) -> Result<Option<Moved>, Stop<Infallible>> {
+        let (mut poses, mut motion) = (Vec::with_capacity(twists.len()), 0.0f64);
+        for ((view, pose), twist) in self.run.views.iter().zip(&self.run.poses).zip(twists) {
+            let [rotation, translation] = [0, 3].map(|row| twist.fixed_rows::<3>(row) * factor);
+            let next = pose.moved(rotation, translation);
+            motion = motion.max((next.shift - pose.shift).norm() + rotation.norm() * view.radius);
+            poses.push(next);
+        }
+        Ok(Some(Moved { poses, motion }))
+    }
+
+    fn accept(&mut self, linear: Linear, trial: Moved, _: StepTaken) -> Result<(), Stop<Infallible>> {
+        let all = self.run.options.points_per_view;
+        let run = &mut *self.run;
+        let Linear { matched, system, limit } = linear;
+        run.poses = trial.poses;
+        run.history.push(ViewsStep {
+            count: matched,
+            rms: (system.cost / system.weight.max(f64::MIN_POSITIVE)).sqrt() * run.scale,
+            limit: limit * run.scale,
+            motion: trial.motion * run.scale,
+        });
+        // Later matches may be no farther than now: with a margin, since other points are matched after a motion.
+        run.limit = run.limit.min((2.0 * limit).max(LEAST_LIMIT)).max(2.0 * trial.motion);
+        let fine = self.count == all;
+        let enough = run.options.tolerance.max(NEGLIGIBLE * system.standard_error());
+        if fine && trial.motion <= enough {
+            self.last = Some(system);
+            return Err(Stop::Ended(Status::Converged));
+        }
+        if !fine && trial.motion <= COARSE_MOTION {
+            self.count = all;
+            run.link(all);
+        }
+        Ok(())
     }
 }
 

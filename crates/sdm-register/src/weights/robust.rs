@@ -1,6 +1,7 @@
 //! How outliers are dealt with, and the rule that one step goes by.
 
-use distance_field::{Kernel, Spread, quantile_in_place};
+use distance_field::{Kernel, Spread};
+use sdm_core::trim_limit;
 
 /// What is assumed about points that do not belong to the shape.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
@@ -21,10 +22,10 @@ pub enum Outliers {
         /// Its final scale, in the model's unit; estimated if there is none.
         abs_scale: Option<f64>,
     },
-    /// Least squares over the given share of the points, in `(0, 1]`: those that are nearest at each step.
+    /// The given share of the points, those that are furthest at each step, does not count.
     Trimmed {
-        /// Share of the points that belong to the shape.
-        overlap: f64,
+        /// In `[0, 1)`.
+        outliers: f64,
     },
 }
 
@@ -40,15 +41,15 @@ pub(crate) enum Weighting {
     Cut { limit: f64 },
 }
 
-/// What a point is worth.
+/// The value of a robust kernel at a distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Worth {
-    /// Its part of the cost, a squared length.
-    pub(crate) cost: f64,
-    /// Its weight `ω = ρ'`.
+pub(crate) struct KernelValue {
+    /// The loss `ρ`, a squared length.
+    pub(crate) loss: f64,
+    /// The weight `ω = ρ'`.
     pub(crate) weight: f64,
     /// What the change of the weight adds to the second derivative along the gradient, `2 s ρ''`.
-    pub(crate) bend: f64,
+    pub(crate) weight_change: f64,
 }
 
 impl Weighting {
@@ -64,23 +65,27 @@ impl Weighting {
         }
     }
 
-    /// What a point at a distance is worth.
+    /// Loss and weight at a distance.
     #[inline]
-    pub(crate) fn worth(&self, distance: f64) -> Worth {
+    pub(crate) fn evaluate(&self, distance: f64) -> KernelValue {
         let square = distance * distance;
         match *self {
-            Self::Kernel { kernel: Kernel::Square, .. } => Worth { cost: square, weight: 1.0, bend: 0.0 },
+            Self::Kernel { kernel: Kernel::Square, .. } => {
+                KernelValue { loss: square, weight: 1.0, weight_change: 0.0 }
+            }
             Self::Kernel { kernel, scale } => {
                 let s = square / (scale * scale);
                 if s.is_nan() {
                     // No noise at all: a point on the shape counts, any other does not.
-                    return Worth { cost: 0.0, weight: 1.0, bend: 0.0 };
+                    return KernelValue { loss: 0.0, weight: 1.0, weight_change: 0.0 };
                 }
-                let bend = if s.is_finite() { 2.0 * s * kernel.weight_slope(s) } else { 0.0 };
-                Worth { cost: scale * scale * kernel.loss(s), weight: kernel.weight(s), bend }
+                let weight_change = if s.is_finite() { 2.0 * s * kernel.weight_slope(s) } else { 0.0 };
+                KernelValue { loss: scale * scale * kernel.loss(s), weight: kernel.weight(s), weight_change }
             }
-            Self::Cut { limit } if distance.abs() <= limit => Worth { cost: square, weight: 1.0, bend: 0.0 },
-            Self::Cut { limit } => Worth { cost: limit * limit, weight: 0.0, bend: 0.0 },
+            Self::Cut { limit } if distance.abs() <= limit => {
+                KernelValue { loss: square, weight: 1.0, weight_change: 0.0 }
+            }
+            Self::Cut { limit } => KernelValue { loss: limit * limit, weight: 0.0, weight_change: 0.0 },
         }
     }
 }
@@ -92,8 +97,8 @@ pub(crate) enum Rule {
     Fixed(Weighting),
     /// The kernel with the tuned multiple of the estimated noise, never wider than `limit` nor narrower than `floor`.
     Estimated { kernel: Kernel, limit: f64, floor: f64 },
-    /// The given share of the points.
-    Trimmed { overlap: f64 },
+    /// All but a share of the points.
+    Trimmed { outliers: f64 },
 }
 
 impl Rule {
@@ -110,7 +115,7 @@ impl Rule {
                     scale: (kernel.tuning() * sigma).max(STILL * moving).min(limit).max(floor),
                 }
             }
-            Self::Trimmed { overlap } => Weighting::Cut { limit: quantile_in_place(distances, overlap) },
+            Self::Trimmed { outliers } => Weighting::Cut { limit: trim_limit(distances, outliers) },
         }
     }
 

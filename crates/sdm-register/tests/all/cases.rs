@@ -93,7 +93,7 @@ fn footpoint_policies_and_controls_reach_the_same_minimum() {
     let case = case("cad_noise1e-3");
     let start = &case.starts[5].1;
     let options = RegisterOptions::default().with_outliers(Outliers::None);
-    for policy in [FootpointPolicy::Full, FootpointPolicy::WarmStart, FootpointPolicy::OneStep] {
+    for policy in [FootpointPolicy::Global, FootpointPolicy::Local, FootpointPolicy::OneStep] {
         let options = options.with_footpoints(policy);
         let report = register(&case.field, &Source::new(&case.points), start, &options).unwrap();
         assert!(case.error(&report.pose) <= 1e-9, "{policy:?}: {report}, {:e}", case.error(&report.pose));

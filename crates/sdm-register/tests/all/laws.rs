@@ -201,8 +201,8 @@ fn bad_input_is_an_error_or_a_status() {
     let far = options.with_rejection(sdm_register::Rejection::default().with_abs_distance(1e-9));
     let away: Vec<_> = case.points.iter().map(|x| x + Vector3::repeat(50.0)).collect();
     assert_eq!(run(&away, &far.with_outliers(Outliers::None)).unwrap().status, Status::NoOverlap);
-    let bad = options.with_outliers(Outliers::Trimmed { overlap: 1.5 });
-    assert!(matches!(run(&case.points, &bad), Err(Error::Option { name: "overlap", .. })));
+    let bad = options.with_outliers(Outliers::Trimmed { outliers: 1.5 });
+    assert!(matches!(run(&case.points, &bad), Err(Error::Option { name: "outliers", .. })));
 }
 
 #[test]

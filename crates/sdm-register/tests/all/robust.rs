@@ -89,7 +89,7 @@ fn half_of_the_scan_has_no_counterpart() {
 fn a_known_share_of_the_points_is_trimmed() {
     let case = case("cad_out20");
     for (degrees, start) in case.starts.iter().step_by(17).take(3) {
-        let report = run(&case, start, Outliers::Trimmed { overlap: 0.78 });
+        let report = run(&case, start, Outliers::Trimmed { outliers: 0.22 });
         assert!(case.error(&report.pose) <= 3e-4, "{degrees}: {report}, {:e}", case.error(&report.pose));
         assert!(report.used.abs_diff(4875) <= 2, "{report}");
     }

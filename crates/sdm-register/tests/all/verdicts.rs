@@ -157,7 +157,12 @@ fn right_poses_on_ordinary_data_are_converged() {
         for (overlap, noise) in [(0.3, 1e-3), (0.5, 1e-3), (0.9, 1e-3), (0.6, 0.0), (0.7, 5e-3)] {
             let points = part(all, all, 2000, noise, &mut random);
             let start = away(&points, 3.0, 0.02, &mut random);
-            let report = run(&field, &points, &start, &options.with_outliers(Outliers::Trimmed { overlap }));
+            let report = run(
+                &field,
+                &points,
+                &start,
+                &options.with_outliers(Outliers::Trimmed { outliers: 1.0 - overlap }),
+            );
             tally.converges(&format!("trimmed {overlap} noise {noise}"), &report, &points, 1e-9 + noise);
         }
     }

@@ -174,7 +174,7 @@ fn among_outliers(kind: Kind, share: f64, seeds: u64) {
                 let scene = scene(kind, piece, seed * 977 + u64::from(turn));
                 for outliers in [
                     PrimitiveOutliers::Tukey { abs_scale: None },
-                    PrimitiveOutliers::Trimmed { share: scene.inliers as f64 / 200.0 },
+                    PrimitiveOutliers::Trimmed { outliers: 1.0 - scene.inliers as f64 / 200.0 },
                 ] {
                     let start = seconds();
                     let found =

@@ -14,7 +14,7 @@ use nalgebra::SVector;
 use nurbs_core::BsplineCurve;
 use sdm_fit::curve::{ActiveCurve, CurveOptions, fit_curve};
 use sdm_fit::{
-    ActiveShape, Constraints, FitOptions, FootpointPolicy, Smoothing, StepControl, StepRecord, Target,
+    ActiveShape, Constraints, FitOptions, FitStep, FootpointPolicy, Smoothing, StepControl, Target,
     fit_with_progress,
 };
 use std::ops::ControlFlow;
@@ -91,7 +91,7 @@ fn ours<const D: usize>(
         .with_footpoints(FootpointPolicy::Global)
         .with_max_iterations(SHOWN[4]);
     let (course, clock) = (Mutex::new(Course::new()), Instant::now());
-    let watch = |step: &StepRecord| {
+    let watch = |step: &FitStep| {
         if let Ok(mut course) = course.lock() {
             course.push((step.rms, clock.elapsed().as_secs_f64()));
         }

@@ -1,36 +1,38 @@
-//! How a fit ended.
+//! How an iteration ended.
 
 use std::fmt;
 
-/// How the iteration ended.
+/// How an iteration ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
 #[non_exhaustive]
 pub enum Status {
-    /// The shape no longer changes, or is as near to the target as was asked for.
+    /// The state no longer changes, or is as good as was asked for. In the default method of a registration also: it goes on moving
+    /// along the shape without a difference to the cost.
     Converged,
     /// No step lowers the cost, although the step that the models ask for is not small.
     Stalled,
     /// The limit on iterations was reached first.
     MaxIterations,
-    /// The iteration met values that are not finite, or left the region of the data; the shape is the best one before.
+    /// The iteration met values that are not finite, or left the region of the data; the state is the best one before.
     Diverged,
-    /// The data leave some unknowns undetermined: use fewer, smooth, or hold some.
+    /// Of a fit: the data leave some unknowns undetermined. Use fewer, smooth, or hold some.
     Singular,
+    /// Of a registration: points and shape lie in a plane each, in which nothing fixes the motion.
+    Underdetermined,
+    /// Of a registration: too few points lie on the shape for the pose to mean anything.
+    NoOverlap,
+    /// Of a registration: the iteration converged, but the points do not speak for the pose; its support says why.
+    Doubtful,
     /// The caller cancelled.
     Cancelled,
 }
 
 impl Status {
-    /// Whether the shape is a local minimum.
+    /// Whether the state is a local minimum, and of a registration one that the points speak for.
     #[must_use]
     pub fn is_converged(self) -> bool {
         matches!(self, Self::Converged)
-    }
-
-    /// The status of a fit that ended within the tolerance that was asked for, or not: then its steps were enough.
-    pub(crate) fn within(self, tolerance: bool) -> Self {
-        if self == Self::MaxIterations && tolerance { Self::Converged } else { self }
     }
 
     /// The name used in files: `converged`, `max_iterations`, …
@@ -42,6 +44,9 @@ impl Status {
             Self::MaxIterations => "max_iterations",
             Self::Diverged => "diverged",
             Self::Singular => "singular",
+            Self::Underdetermined => "underdetermined",
+            Self::NoOverlap => "no_overlap",
+            Self::Doubtful => "doubtful",
             Self::Cancelled => "cancelled",
         }
     }
