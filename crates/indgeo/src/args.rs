@@ -1,10 +1,11 @@
-//! What can be typed.
+//! Command-line arguments.
 
 use crate::commands::{
     align, contour, convert, demo, field, fit_curve, fit_ruled, fit_subdivision, fit_surface, geodesic, info,
     inspect, merge, morphology, parameterize, project, register, register_views, segment, selftest,
 };
-use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
+use crate::common::{Common, with_negative_numbers};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::path::{Path, PathBuf};
 
 /// From scans to CAD: deviations from NURBS models and meshes, with a proof that no other point is nearer.
@@ -85,12 +86,7 @@ impl Cli {
 
     /// The parser of the command line, in which `-0.1` after an option is its value: what is wrong with it is then said.
     fn typed() -> clap::Command {
-        Self::command().mut_subcommands(|command| {
-            command.mut_args(|arg| {
-                let takes_values = arg.get_action().takes_values() && !arg.is_positional();
-                if takes_values { arg.allow_negative_numbers(true) } else { arg }
-            })
-        })
+        Self::command().mut_subcommands(with_negative_numbers)
     }
 }
 
@@ -146,24 +142,4 @@ impl Command {
             Self::Selftest(_) => "selftest",
         }
     }
-}
-
-/// Options of every command.
-#[derive(Debug, Args)]
-#[command(next_help_heading = "Options of every command")]
-pub(crate) struct Common {
-    /// Write a machine-readable report (JSON) to FILE; `-` is standard output, where then nothing else is printed
-    ///
-    /// The report is written on errors too (`"status": "error"`), whenever the command line itself was understood.
-    #[arg(long, global = true, value_name = "FILE")]
-    pub(crate) json: Option<PathBuf>,
-    /// Leave the times out of report and summary, so that equal results are equal to the byte
-    #[arg(long, global = true)]
-    pub(crate) no_timings: bool,
-    /// Number of threads [default: one per core]; results do not depend on it
-    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub(crate) threads: Option<u16>,
-    /// Print errors only: no summary, no warnings, no progress
-    #[arg(long, short, global = true)]
-    pub(crate) quiet: bool,
 }

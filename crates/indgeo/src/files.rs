@@ -1,7 +1,7 @@
 //! Paths of files to be read and written, checked before any work is done.
 
 use crate::error::Error;
-use crate::memory;
+use crate::runtime::memory;
 use industrial_geometry::io::{
     self, AtomicFile, Content, Format, Loaded, ReadOptions, WriteOptions, WriteReport,
 };

@@ -58,6 +58,21 @@ fn number(text: &str) -> Option<f64> {
     text.trim().parse::<f64>().ok().filter(|number| number.is_finite())
 }
 
+/// Three finite numbers separated by commas.
+pub(super) fn triple(text: &str) -> Option<[f64; 3]> {
+    let parts: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
+    let triple: [f64; 3] = parts.ok()?.try_into().ok()?;
+    triple.iter().all(|value| value.is_finite()).then_some(triple)
+}
+
+/// A largest angle in degrees.
+pub(super) fn angle(text: &str) -> Result<f64, String> {
+    let angle: Option<f64> = text.trim().parse().ok();
+    angle
+        .filter(|angle| *angle > 0.0 && *angle <= 180.0)
+        .ok_or_else(|| "an angle is a number of degrees above 0, at most 180".to_owned())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -6,7 +6,7 @@ use industrial_geometry::mesh::TriangleMesh;
 use std::path::Path;
 
 /// The labels that a name stands for: a scalar of the mesh, or a file of whole numbers, one per vertex in any arrangement of lines.
-pub(super) fn read(name: &Path, mesh: &TriangleMesh, of: &Path) -> Result<Vec<i64>, Error> {
+pub(crate) fn read(name: &Path, mesh: &TriangleMesh, of: &Path) -> Result<Vec<i64>, Error> {
     let count = mesh.vertices().len();
     if let Some(values) = mesh.attributes().scalar(&name.to_string_lossy()) {
         return values

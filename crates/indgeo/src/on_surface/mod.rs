@@ -1,10 +1,7 @@
 //! Distances, curves and regions on surfaces, in the Euclidean or the feature sensitive metric.
 
-pub(crate) mod geodesic;
-mod labels;
-pub(crate) mod morphology;
+pub(crate) mod labels;
 pub(crate) mod picture;
-pub(crate) mod summary;
 
 use crate::error::Error;
 use crate::files;
@@ -48,7 +45,7 @@ impl MetricChoice {
 }
 
 /// Reads a file and notes it in the report.
-fn read(path: &Path, report: &mut Report, timings: &mut Timings) -> Result<Content, Error> {
+pub(crate) fn read(path: &Path, report: &mut Report, timings: &mut Timings) -> Result<Content, Error> {
     let loaded = Timings::measure(&mut timings.read, || files::read(path, &ReadOptions::default()))?;
     report.add_input(Input::new("model", path, &loaded.report));
     report
@@ -58,7 +55,7 @@ fn read(path: &Path, report: &mut Report, timings: &mut Timings) -> Result<Conte
 }
 
 /// The mesh of a file that was read.
-fn mesh_of(content: Content, path: &Path) -> Result<TriangleMesh, Error> {
+pub(crate) fn mesh_of(content: Content, path: &Path) -> Result<TriangleMesh, Error> {
     match content {
         Content::Mesh(mesh) => Ok(mesh),
         Content::Cloud(_) => Err(Error::content(
@@ -75,7 +72,7 @@ fn mesh_of(content: Content, path: &Path) -> Result<TriangleMesh, Error> {
 }
 
 /// The error of the library, with the file that it is about.
-fn refused(path: &Path, error: &MetricError, help: &'static str) -> Error {
+pub(crate) fn refused(path: &Path, error: &MetricError, help: &'static str) -> Error {
     match error {
         MetricError::Option { name, value, allowed } => {
             Error::option(if *name == "width" { "w" } else { name }, *value, allowed, help)
@@ -88,7 +85,7 @@ fn refused(path: &Path, error: &MetricError, help: &'static str) -> Error {
 }
 
 /// Says where a mesh is cut because it is no manifold.
-fn warn_of_cuts(is_manifold: bool, path: &Path, report: &mut Report) {
+pub(crate) fn warn_of_cuts(is_manifold: bool, path: &Path, report: &mut Report) {
     if !is_manifold {
         report.warnings.push(format!(
             "{}: edges of more than two triangles, or with triangles of opposite sides, count as boundaries",

@@ -1,7 +1,7 @@
 //! One array after the other, for callers from another language: what is read is used where it lies.
 
 use super::rows::{Cell, NAME, Rows, append_cell};
-use crate::threads;
+use crate::runtime::threads;
 use serde::Serialize;
 use std::io::{self, Write};
 use std::ops::Range;

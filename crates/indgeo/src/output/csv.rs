@@ -1,7 +1,7 @@
 //! Comma-separated values.
 
 use super::rows::{Cell, Rows, append_number};
-use crate::threads;
+use crate::runtime::threads;
 use industrial_geometry::io::write_text;
 use std::io::{self, Write};
 

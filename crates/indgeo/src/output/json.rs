@@ -1,7 +1,7 @@
 //! JSON with one array per column.
 
 use super::rows::{Cell, NAME, Rows, append_number};
-use crate::threads;
+use crate::runtime::threads;
 use std::io::{self, Write};
 
 /// `{"points":N,"columns":["x",…],"x":[…],…}`; `null` stands for a value that is not finite.

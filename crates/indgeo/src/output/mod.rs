@@ -1,14 +1,17 @@
 //! Results in files: one row per point, in the order of the input.
 
+pub(crate) mod cad;
 mod cloud;
 mod columns;
 mod csv;
 mod deviations;
 mod json;
 mod parameters;
+pub(crate) mod partials;
 mod pieces;
 mod ply;
 mod rows;
+pub(crate) mod staging;
 mod table;
 
 pub(crate) use deviations::{DeviationTable, Measured};
@@ -19,7 +22,7 @@ pub(crate) use table::{Layout, Table};
 
 use crate::error::Error;
 use crate::files;
-use crate::memory;
+use crate::runtime::memory;
 use clap::ValueEnum;
 use industrial_geometry::io;
 use std::path::Path;

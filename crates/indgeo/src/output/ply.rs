@@ -1,7 +1,7 @@
 //! PLY with the results as properties of the vertices.
 
 use super::rows::{Cell, NAME, Rows, append_cell};
-use crate::threads;
+use crate::runtime::threads;
 use std::io::{self, Write};
 
 /// Binary little endian: doubles for numbers, `int` for indices (−1 for none), `uchar` for names of states and colours, a list of

@@ -1,7 +1,7 @@
 //! The columns of a result and what stands in them.
 
 use super::rows::{Cell, Rows};
-use crate::target::{Foot, Target};
+use crate::input::target::{Foot, Target};
 use industrial_geometry::footpoint::Status;
 use industrial_geometry::mesh::TextField;
 use industrial_geometry::mesh::nalgebra::Point3;

@@ -1,0 +1,6 @@
+//! What the commands that fit surfaces have in common: their options, their input, and numbers of a fit.
+
+pub(crate) mod arguments;
+pub(crate) mod input;
+pub(crate) mod numbers;
+pub(crate) mod summary;
