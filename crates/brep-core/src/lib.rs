@@ -66,3 +66,13 @@ pub use model::{Instance, Model};
 pub use part::{Part, Shell};
 pub use samples::{Picture, Sample};
 pub use tessellate::Tessellation;
+
+// The crates whose types occur in the interface of this one.
+pub use footpoint;
+pub use nalgebra;
+pub use nurbs_core;
+
+/// The example of the README, compiled as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

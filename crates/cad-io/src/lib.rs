@@ -47,3 +47,12 @@ pub use model_builder::ModelBuilder;
 #[cfg(feature = "step")]
 pub use step::{is_step, read_step, read_step_file};
 pub use step_text::to_step;
+
+// The crates whose types occur in the interface of this one.
+pub use brep_core;
+pub use nurbs_core;
+
+/// The example of the README, compiled as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -41,3 +41,13 @@ pub use mesh::{InsertedPoint, MetricMesh, insert_point};
 pub use metric::Metric;
 pub use morphology::Operation;
 pub use surface_geodesic::{GeodesicOptions, SurfaceGeodesic, surface_geodesic};
+
+// The crates whose types occur in the interface of this one.
+pub use mesh_core;
+pub use nalgebra;
+pub use nurbs_core;
+
+/// The example of the README, compiled as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -66,3 +66,14 @@ pub use statistics::{Moments, Quantile, Statistics};
 pub use tally::Deviations;
 pub use tolerance::{Class, Tolerance};
 pub use worst::WorstPoint;
+
+// The crates whose types occur in the interface of this one.
+pub use brep_core;
+pub use mesh_core;
+pub use nalgebra;
+pub use nurbs_core;
+
+/// The example of the README, compiled as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

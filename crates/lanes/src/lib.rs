@@ -157,3 +157,8 @@ mod tests {
         tasks(20, |i| assert!(i != 7, "task {i}"));
     }
 }
+
+/// The example of the README, compiled as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

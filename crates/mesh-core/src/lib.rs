@@ -82,3 +82,8 @@ pub use texts::TextField;
 pub use topology::MeshTopology;
 pub use triangle::Feature;
 pub use weld::VertexWelder;
+
+/// The example of the README, compiled as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

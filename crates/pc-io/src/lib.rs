@@ -59,6 +59,7 @@ mod obj;
 mod off;
 mod parsed;
 mod pcd;
+mod piece;
 mod pieces;
 mod ply;
 mod polylines;
@@ -87,7 +88,8 @@ pub use mesh_core;
 pub use model::{Model, Shape};
 pub use number::write_number;
 pub use nurbs_core;
-pub use pieces::{Piece, is_read_in_pieces, read_pieces, read_range};
+pub use piece::Piece;
+pub use pieces::{is_read_in_pieces, read_pieces, read_range};
 pub use polylines::{PolylineFormat, write_polylines};
 pub(crate) use read::not_points;
 pub use read::{read, read_bytes, read_cloud, read_from, read_mesh, read_model};
@@ -99,3 +101,8 @@ pub use write::{
     is_written_in_pieces, write, write_cloud, write_cloud_pieces, write_mesh, write_model, write_to,
 };
 pub use xyz::write_text;
+
+/// The example of the README, compiled as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -5,99 +5,16 @@ use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::ops::Range;
 use std::path::Path;
 
-use mesh_core::PointCloud;
-use nalgebra::{Point3, Vector3};
-
 use crate::format::recognise;
 use crate::parsed::Parsed;
+use crate::piece::{Piece, Taker};
 use crate::ptx_pieces::Grids;
 #[cfg(any(feature = "las", feature = "e57"))]
 use crate::scanner;
 use crate::source::Source;
 use crate::xyz::pieces::Table;
 use crate::{Error, Format, ReadOptions, ReadReport, ply};
-
-/// Some of the points of a file, in their order, with nothing but normals.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Piece {
-    /// Positions, in the unit of the file.
-    pub positions: Vec<Point3<f64>>,
-    /// Normals, if the points of the file have them: as many as positions.
-    pub normals: Option<Vec<Vector3<f64>>>,
-}
-
-impl Piece {
-    /// Leaves the points with these places in the piece.
-    fn cut(&mut self, range: Range<usize>) {
-        self.positions.truncate(range.end);
-        self.positions.drain(..range.start.min(self.positions.len()));
-        if let Some(normals) = &mut self.normals {
-            normals.truncate(range.end);
-            normals.drain(..range.start.min(normals.len()));
-        }
-    }
-
-    /// Drops the points that are not finite if `drop` says so; returns how many there were.
-    fn sift(&mut self, drop: bool) -> usize {
-        let is_finite = |point: &Point3<f64>| point.iter().all(|value| value.is_finite());
-        let keep: Vec<bool> = self.positions.iter().map(is_finite).collect();
-        let count = keep.iter().filter(|keep| !**keep).count();
-        if drop && count > 0 {
-            let mut flags = keep.iter();
-            self.positions.retain(|_| flags.next().copied().unwrap_or(false));
-            if let Some(normals) = &mut self.normals {
-                let mut flags = keep.iter();
-                normals.retain(|_| flags.next().copied().unwrap_or(false));
-            }
-        }
-        count
-    }
-}
-
-/// What the readers of single formats need to hand pieces over.
-pub(crate) struct Taker<'a, E> {
-    take: &'a mut dyn FnMut(Piece) -> Result<(), E>,
-    failed: Option<E>,
-    drop_non_finite: bool,
-    /// The numbers of the points that are wanted.
-    range: Range<u64>,
-    /// The number of the point that is read next.
-    next: u64,
-    /// Number of the points in the file, where that is known before they are read.
-    total: Option<u64>,
-    points: usize,
-    non_finite: usize,
-}
-
-impl<E> Taker<'_, E> {
-    /// The numbers of the points to be read of a file that holds `total` and is read from any of them on.
-    pub(crate) fn begin(&mut self, total: u64) -> Range<u64> {
-        self.total = Some(total);
-        let start = self.range.start.min(total);
-        self.next = start;
-        start..self.range.end.clamp(start, total)
-    }
-
-    /// Hands a piece over, or what is wanted of it; false if reading failed.
-    pub(crate) fn give(&mut self, mut piece: Piece) -> bool {
-        let count = piece.positions.len();
-        let place = |number: u64| {
-            usize::try_from(number.saturating_sub(self.next)).map_or(count, |place| place.min(count))
-        };
-        let wanted = place(self.range.start)..place(self.range.end);
-        self.next += count as u64;
-        if wanted != (0..count) {
-            piece.cut(wanted);
-        }
-        self.points += piece.positions.len();
-        self.non_finite += piece.sift(self.drop_non_finite);
-        if piece.positions.is_empty() {
-            return true;
-        }
-        self.failed = (self.take)(piece).err();
-        self.failed.is_none()
-    }
-}
+use mesh_core::PointCloud;
 
 /// Reads the points of a file in pieces of at most `limit` points, in memory for one piece, and hands them to `take`.
 ///

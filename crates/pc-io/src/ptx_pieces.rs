@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, Seek, SeekFrom};
 
 use crate::parsed::Parsed;
-use crate::pieces::{Piece, Taker};
+use crate::piece::{Piece, Taker};
 use crate::ptx::{Head, Points, left_out, not_rigid, numbers};
 use crate::scans::{Scan, chosen};
 use crate::source::Source;

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use crate::shape::Shape;
 use crate::{Error, Format, Place};
 #[cfg(any(feature = "las", feature = "e57"))]
-use crate::{ReadOptions, foreign::Input, parsed::Parsed, pieces::Taker};
+use crate::{ReadOptions, foreign::Input, parsed::Parsed, piece::Taker};
 
 /// Bytes that tell these formats from others.
 #[cfg(any(feature = "las", feature = "e57"))]

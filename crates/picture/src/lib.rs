@@ -30,3 +30,12 @@ pub use colour::of_label;
 pub use field::{FieldScene, Line};
 pub use mesh::{Curve, MeshScene, Paint, View};
 pub use sheet::Sheet;
+
+// The crates whose types occur in the interface of this one.
+pub use mesh_core;
+pub use nalgebra;
+
+/// The example of the README, compiled as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

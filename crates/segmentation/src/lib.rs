@@ -47,3 +47,11 @@ pub use nalgebra;
 pub use options::SegmentationOptions;
 pub use report::{RegionReport, RunnerUp, Segmentation, Shape};
 pub use segment::segment;
+
+// The crates whose types occur in the interface of this one.
+pub use mesh_core;
+
+/// The example of the README, compiled as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

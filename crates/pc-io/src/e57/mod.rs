@@ -15,7 +15,7 @@ use self::layout::Layout;
 use self::points::Points;
 use crate::foreign::{DAMAGED, Input, ReadSeek, guarded};
 use crate::parsed::Parsed;
-use crate::pieces::Taker;
+use crate::piece::Taker;
 use crate::scans::{Scan, chosen};
 use crate::wording::counted;
 use crate::{Error, Format, Location, Place, ReadOptions};

@@ -8,7 +8,7 @@ use super::Pose;
 use super::layout::{Layout, Role};
 use crate::Error;
 use crate::columns::{ROUNDED_COLOURS, free_name, to_byte};
-use crate::pieces::Piece;
+use crate::piece::Piece;
 use crate::scans::Scan;
 use crate::wording::counted;
 

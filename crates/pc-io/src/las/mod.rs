@@ -17,7 +17,7 @@ use crate::columns::{Column, Kind, colours, free_name};
 use crate::foreign::{DAMAGED, Input, guarded};
 use crate::number_type::{NumberType, warn_of_wide};
 use crate::parsed::Parsed;
-use crate::pieces::{Piece, Taker};
+use crate::piece::{Piece, Taker};
 use crate::{Error, Place};
 
 pub(crate) use self::clouds::read_clouds;

@@ -5,7 +5,7 @@ use nalgebra::{Point3, Vector3};
 use super::header::{self, Encoding};
 use crate::columns::{Kind, point_columns};
 use crate::number_type::{NumberType, Strided};
-use crate::pieces::Piece;
+use crate::piece::Piece;
 use crate::source::Source;
 
 /// Bytes of a file among which its header must be.

@@ -11,7 +11,7 @@ use super::layout::Layout;
 use super::meaning;
 use super::rows::{RowReader, Rows};
 use crate::columns::{Kind, point_columns};
-use crate::pieces::{Piece, Taker};
+use crate::piece::{Piece, Taker};
 use crate::source::Source;
 use crate::text_lines::TextLines;
 use crate::wording::counted;
