@@ -3,6 +3,7 @@
 //! Each check is a function from files (or packages) to findings, in a file of its own, so that it can be tested on a few lines held in memory.
 
 mod algorithms;
+mod circles;
 mod citations;
 mod crate_docs;
 mod dependencies;
@@ -27,6 +28,7 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
 
     let mut findings = dependencies::check(&packages, &files);
     findings.extend(wrappers::check(&packages, &files));
+    findings.extend(circles::check(&packages, &files));
     findings.extend(length::check(&files));
     findings.extend(citations::check(&files));
     findings.extend(algorithms::check(&files));
