@@ -61,6 +61,7 @@ mod projection_pieces;
 mod projection_results;
 mod registering;
 mod registering_views;
+mod registration_approach;
 mod registration_elsewhere;
 mod registration_field;
 mod registration_model;

@@ -64,6 +64,8 @@ pub(crate) struct Job<'a> {
     pub(crate) start: Start<'a>,
     /// Options of the library.
     pub(crate) options: RegisterOptions<3>,
+    /// Length of unit normals with which points are matched to the model from a start, before they are registered.
+    pub(crate) feature_weight: Option<f64>,
     /// Largest angle, in radians, between the normals of points and feet that count.
     pub(crate) max_angle: Option<f64>,
     /// Whether the method makes no sense without normals of the points.
@@ -273,7 +275,7 @@ fn solve(
     given: Option<Vec<Pose<3>>>,
     progress: &Progress,
 ) -> Result<Solution, Error> {
-    let mut tries = Tries::new(job, model, field, cloud, sights, progress);
+    let mut tries = Tries::new(job, model, field, cloud, sights, progress)?;
     match &given {
         Some(poses) => {
             let extent = if poses.len() > 1 { Extent::Some } else { Extent::All };

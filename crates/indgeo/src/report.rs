@@ -14,6 +14,7 @@ use crate::inspecting::InspectionResults;
 use crate::interrupt;
 use crate::on_surface::geodesic::GeodesicResults;
 use crate::on_surface::morphology::MorphologyResults;
+use crate::on_surface::parameters::PatchResults;
 use crate::parameterizing::ParameterResults;
 use crate::registration_report::RegistrationResults;
 use crate::registration_step::Step;
@@ -326,6 +327,8 @@ pub(crate) enum Results {
     Geodesic(Box<GeodesicResults>),
     /// Of operations on regions of a mesh.
     Morphology(Box<MorphologyResults>),
+    /// Of parameters of a patch of a mesh.
+    Patch(Box<PatchResults>),
     /// Of surfaces by type.
     Segmentation(Box<SegmentationResults>),
     /// Of `convert`.

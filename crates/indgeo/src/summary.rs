@@ -39,6 +39,7 @@ pub(crate) fn of(report: &Report) -> String {
         Some(Results::Subdivision(found)) => write_subdivision(&mut text, report, found),
         Some(Results::Geodesic(found)) => on_surface::summary::write_geodesic(&mut text, report, found),
         Some(Results::Morphology(found)) => on_surface::summary::write_morphology(&mut text, report, found),
+        Some(Results::Patch(found)) => on_surface::summary::write_patch(&mut text, report, found),
         Some(Results::Segmentation(found)) => segmenting::summary::write(&mut text, report, found),
         _ => Ok(()),
     };

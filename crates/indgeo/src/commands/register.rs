@@ -53,6 +53,12 @@ pub(crate) struct Args {
     /// What is minimised in a step
     #[arg(long, value_enum, default_value_t = MethodChoice::Adaptive)]
     method: MethodChoice,
+    /// Approach the model from each start by points matched with position and normal, the normal times this length (0: position alone)
+    ///
+    /// Widens what is found from a start with edges and flat faces; a fifth of the size of the model is a good length. Points without normals get
+    /// those of planes through neighbours, whose side does not count.
+    #[arg(long, value_name = "W", value_parser = numbers::not_negative, conflicts_with_all = ["lock", "partial"])]
+    feature_weight: Option<f64>,
     /// What is assumed about points that do not belong to the model
     #[arg(long, value_enum, default_value_t = OutlierChoice::Automatic)]
     outliers: OutlierChoice,
@@ -365,6 +371,7 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         page: args.report.as_deref().filter(|_| !args.inspect),
         start,
         options,
+        feature_weight: args.feature_weight,
         max_angle: args.max_angle.filter(|angle| *angle < 180.0).map(f64::to_radians),
         needs_normals: args.method == MethodChoice::Symmetric,
         quiet: common.quiet,

@@ -3,6 +3,7 @@
 pub(crate) mod geodesic;
 mod labels;
 pub(crate) mod morphology;
+pub(crate) mod parameters;
 pub(crate) mod picture;
 pub(crate) mod summary;
 
@@ -80,8 +81,12 @@ fn refused(path: &Path, error: &MetricError, help: &'static str) -> Error {
         MetricError::Option { name, value, allowed } => {
             Error::option(if *name == "width" { "w" } else { name }, *value, allowed, help)
         }
-        MetricError::Vertex { .. } | MetricError::Parameters { .. } => {
+        MetricError::Vertex { .. } | MetricError::Parameters { .. } | MetricError::Corners { .. } => {
             Error::content(path, error.to_string(), help)
+        }
+        MetricError::NotADisc { .. } => {
+            let what = "cut it open, close its holes, or give one part: `indgeo info` lists parts and holes";
+            Error::content(path, error.to_string(), what)
         }
         _ => Error::content(path, error.to_string(), "check it with `indgeo info`"),
     }

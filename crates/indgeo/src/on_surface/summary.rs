@@ -2,6 +2,7 @@
 
 use super::geodesic::GeodesicResults;
 use super::morphology::MorphologyResults;
+use super::parameters::PatchResults;
 use crate::report::Report;
 use crate::summary::{plain, write_end};
 use crate::wording::counted;
@@ -64,5 +65,22 @@ pub(crate) fn write_morphology(
             region.vertices_after
         )?;
     }
+    write_end(text, report)
+}
+
+pub(crate) fn write_patch(text: &mut String, report: &Report, found: &PatchResults) -> std::fmt::Result {
+    writeln!(
+        text,
+        "{} over a {} ({} metric): {}, {} without positive area",
+        counted(found.triangles, "triangle"),
+        found.domain,
+        found.metric,
+        counted(found.rows, "row"),
+        found.folded
+    )?;
+    if let Some([a, b, c, d]) = found.corners {
+        writeln!(text, "  corners   vertices {a}, {b}, {c}, {d}")?;
+    }
+    writeln!(text, "  boundary  length {}", plain(found.boundary_length))?;
     write_end(text, report)
 }
