@@ -33,8 +33,7 @@ impl Approach {
         };
         // The sides of normals count where both are known to point out of the material.
         let oriented = cloud.normals.is_some() && job.max_angle.is_some();
-        let matching =
-            FeatureMatching::new(&model.samples(job.model)?, width, oriented).map_err(failed)?;
+        let matching = FeatureMatching::new(&model.samples(job.model)?, width, oriented).map_err(failed)?;
         Ok(Some(Self { matching, points: points.map_err(failed)?, file: job.points.to_path_buf() }))
     }
 

@@ -6,11 +6,11 @@ use nalgebra::{Point3, Vector3};
 
 use crate::bounds::is_finite;
 use crate::bvh::{Aabb, Bvh};
+use crate::nearest_triangle::Nearest;
 use crate::normal_cone::NormalCone;
 use crate::pseudo_normal::PseudoNormals;
 use crate::topology::EdgeMap;
 use crate::triangle::{Feature, Triangle, TriangleFoot};
-use crate::nearest_triangle::Nearest;
 use crate::{BoundingBox, Error, MeshTopology, TriangleMesh};
 
 /// Part of the mesh's diagonal within which triangles count as meeting at a point, where one of them has no area.

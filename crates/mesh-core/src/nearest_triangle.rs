@@ -85,8 +85,7 @@ impl<'a> Search<'a> {
     }
 
     fn found(self, rounding: f64) -> Option<Nearest> {
-        let slack =
-            (0.5 * (self.others.min(self.enough).sqrt() - self.limit.sqrt()) - rounding).max(0.0);
+        let slack = (0.5 * (self.others.min(self.enough).sqrt() - self.limit.sqrt()) - rounding).max(0.0);
         let place = self.best?;
         Some(Nearest { place, foot: self.projector.triangles[place].closest(self.x), slack })
     }
@@ -145,12 +144,10 @@ impl MeshProjector {
         let at = |index: &u32| &points[*index as usize];
         let mut guess = None;
         let leaves = if indices.iter().map(at).all(is_finite) {
-            let (low, high) = indices
-                .iter()
-                .map(at)
-                .fold((Point3::from([f64::INFINITY; 3]), Point3::from([f64::NEG_INFINITY; 3])), |(a, b), x| {
-                    (a.inf(x), b.sup(x))
-                });
+            let (low, high) = indices.iter().map(at).fold(
+                (Point3::from([f64::INFINITY; 3]), Point3::from([f64::NEG_INFINITY; 3])),
+                |(a, b), x| (a.inf(x), b.sup(x)),
+            );
             let middle = nalgebra::center(&low, &high);
             self.leaves_near(&middle, 0.5 * (high - low).norm(), &mut guess)
         } else {
@@ -175,13 +172,12 @@ impl MeshProjector {
                         self.bvh.nearest_where(x, search.enough, |_| true, |place| search.visit(place));
                     }
                 }
-                search
-                    .found(rounding)
-                    .ok_or(Error::DistanceOverflow { x: x.x, y: x.y, z: x.z })
-                    .map(|Nearest { place, foot, .. }| {
+                search.found(rounding).ok_or(Error::DistanceOverflow { x: x.x, y: x.y, z: x.z }).map(
+                    |Nearest { place, foot, .. }| {
                         guess = Some(place);
                         self.footpoint(x, place, foot)
-                    })
+                    },
+                )
             } else {
                 Err(Error::NonFinitePoint { x: x.x, y: x.y, z: x.z })
             };

@@ -54,8 +54,7 @@ pub(crate) fn covariance(
         let mut moved = Row::zeros();
         moved.rows_mut(0, n).copy_from(&(&inverse * pull.rows(0, n)));
         add(&moved);
-        let sure: Vec<_> =
-            points.iter().zip(&doubtful).filter(|(_, d)| !d.0).map(|(x, _)| *x).collect();
+        let sure: Vec<_> = points.iter().zip(&doubtful).filter(|(_, d)| !d.0).map(|(x, _)| *x).collect();
         if sure.len() < points.len() && sure.len() >= ENOUGH * n {
             let (_, gradient, matrix) = normal_equations(&carrier, &sure);
             if let Some(factor) = matrix.cholesky() {

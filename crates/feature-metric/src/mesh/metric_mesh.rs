@@ -79,7 +79,16 @@ impl MetricMesh {
             for half_edge in given.half_edges() {
                 corners[half_edge.triangle()][half_edge.edge()] = given.origin(half_edge);
             }
-            return Ok(Self { connectivity: given, lengths, points, of_vertex, corners, fans, metric, is_manifold });
+            return Ok(Self {
+                connectivity: given,
+                lengths,
+                points,
+                of_vertex,
+                corners,
+                fans,
+                metric,
+                is_manifold,
+            });
         }
         let wedges = Wedges::of(mesh, &given);
         let mut image = Image::of(mesh.vertices(), &given, &wedges);

@@ -126,12 +126,9 @@ fn only_boundary(image: &MetricMesh) -> Result<Vec<u32>, Error> {
     match <[Vec<u32>; 1]>::try_from(loops) {
         Ok([cycle]) if parts == 1 && euler == 1 && image.is_manifold() => Ok(cycle),
         Ok(_) => Err(Error::NotADisc { parts, boundaries: 1, euler, is_manifold: image.is_manifold() }),
-        Err(loops) => Err(Error::NotADisc {
-            parts,
-            boundaries: loops.len(),
-            euler,
-            is_manifold: image.is_manifold(),
-        }),
+        Err(loops) => {
+            Err(Error::NotADisc { parts, boundaries: loops.len(), euler, is_manifold: image.is_manifold() })
+        }
     }
 }
 
@@ -212,7 +209,9 @@ fn sharpest(stops: &[Stop]) -> Result<Vec<usize>, Error> {
         return Err(Error::Corners { boundary: stops.len(), vertex: None });
     }
     let mut order: Vec<usize> = (0..stops.len()).filter(|&k| stops[k].turn >= CORNER).collect();
-    order.sort_by(|&a, &b| stops[b].turn.total_cmp(&stops[a].turn).then(stops[a].vertex.cmp(&stops[b].vertex)));
+    order.sort_by(|&a, &b| {
+        stops[b].turn.total_cmp(&stops[a].turn).then(stops[a].vertex.cmp(&stops[b].vertex))
+    });
     order.truncate(4);
     if order.is_empty() {
         order.extend((0..stops.len()).min_by_key(|&k| stops[k].vertex));

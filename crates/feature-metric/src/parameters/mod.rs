@@ -193,13 +193,7 @@ fn gathered(
         })
         .collect();
     let folded = triangles.iter().filter(|t| area(t.map(|k| places[k as usize].parameters)) <= 0.0).count();
-    PatchParameters {
-        places,
-        triangles,
-        corners: boundary.corners,
-        boundary_length: boundary.length,
-        folded,
-    }
+    PatchParameters { places, triangles, corners: boundary.corners, boundary_length: boundary.length, folded }
 }
 
 /// Twice the signed area of a triangle in the plane.

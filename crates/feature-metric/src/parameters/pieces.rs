@@ -49,11 +49,7 @@ pub(super) fn pieces(image: &MetricMesh) -> Result<Vec<Piece>, Error> {
 }
 
 /// The triangles with the given edges divided in their middles, which become vertices from `count` on; and the number of vertices then.
-pub(super) fn divided(
-    pieces: Vec<Piece>,
-    count: usize,
-    edges: &BTreeSet<[u32; 2]>,
-) -> (Vec<Piece>, usize) {
+pub(super) fn divided(pieces: Vec<Piece>, count: usize, edges: &BTreeSet<[u32; 2]>) -> (Vec<Piece>, usize) {
     if edges.is_empty() {
         return (pieces, count);
     }

@@ -1,9 +1,7 @@
 //! Parameters of patches: linear functions come back, nothing folds, features take more room.
 
 use crate::shapes::{cube, grid};
-use feature_metric::{
-    Error, Metric, ParameterDomain, ParameterOptions, PatchParameters, parameterize_patch,
-};
+use feature_metric::{Error, Metric, ParameterDomain, ParameterOptions, PatchParameters, parameterize_patch};
 use mesh_core::TriangleMesh;
 use nalgebra::Vector3;
 use std::f64::consts::FRAC_PI_2;
@@ -20,18 +18,14 @@ fn fillet(radius: f64) -> impl Fn(f64, f64) -> (Vector3<f64>, Vector3<f64>) {
     }
 }
 
-fn mesh_of(
-    counts: [u32; 2],
-    at: impl Fn(f64, f64) -> (Vector3<f64>, Vector3<f64>),
-) -> TriangleMesh {
+fn mesh_of(counts: [u32; 2], at: impl Fn(f64, f64) -> (Vector3<f64>, Vector3<f64>)) -> TriangleMesh {
     grid(counts, |s, t| at(s, t).0, Some(&|s, t| at(s, t).1))
 }
 
 fn areas(found: &PatchParameters) -> Vec<f64> {
     let at = |k: u32| found.places[k as usize].parameters;
-    let area = |[a, b, c]: [[f64; 2]; 3]| {
-        0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
-    };
+    let area =
+        |[a, b, c]: [[f64; 2]; 3]| 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
     found.triangles.iter().map(|t| area(t.map(at))).collect()
 }
 
@@ -70,16 +64,19 @@ fn a_fillet_takes_the_share_of_its_length_in_the_metric() {
     let mesh = mesh_of([n, 20], &at);
     let mut before = 0.0;
     for width in [0.0, 0.2, 0.5, 1.0] {
-        let found = parameterize_patch(&mesh, Metric::Feature { width }, &ParameterOptions::default()).unwrap();
+        let found =
+            parameterize_patch(&mesh, Metric::Feature { width }, &ParameterOptions::default()).unwrap();
         let all = areas(&found);
         assert!(found.folded == 0 && all.iter().all(|area| *area > 0.0));
         assert!((all.iter().sum::<f64>() - 1.0).abs() < 1e-12);
         // Triangles between vertices of the fillet.
         let is_bent = |k: &u32| {
-            let normal = at(f64::from(found.places[*k as usize].vertex as u32 % (n + 1)) / f64::from(n), 0.0).1;
+            let normal =
+                at(f64::from(found.places[*k as usize].vertex as u32 % (n + 1)) / f64::from(n), 0.0).1;
             normal.x > 1e-9 && normal.z > 1e-9
         };
-        let share: f64 = found.triangles.iter().zip(&all).filter(|(t, _)| t.iter().any(is_bent)).map(|(_, a)| a).sum();
+        let share: f64 =
+            found.triangles.iter().zip(&all).filter(|(t, _)| t.iter().any(is_bent)).map(|(_, a)| a).sum();
         let length = FRAC_PI_2 * f64::hypot(radius, width);
         // The rows at the ends of the fillet count as a whole.
         assert!((share - length / (2.0 + length)).abs() < 0.05, "w = {width}: {share}");
@@ -106,7 +103,9 @@ fn sharp_edges_become_strips() {
         let [all, less] = [&plain, &bent].map(|found| areas(found).iter().sum::<f64>());
         // The strips take what the faces lose.
         assert!(less < 0.8 * all, "{less} of {all}");
-        let own = |found: &PatchParameters| found.places.iter().all(|p| p.parameters.iter().all(|c| (0.0..=1.0).contains(c)));
+        let own = |found: &PatchParameters| {
+            found.places.iter().all(|p| p.parameters.iter().all(|c| (0.0..=1.0).contains(c)))
+        };
         assert!(own(&plain) && own(&bent));
     }
 }
@@ -144,7 +143,10 @@ fn what_is_no_disc_is_refused() {
     let wrong = parameterize_patch(&flat, Metric::Feature { width: -1.0 }, &options);
     assert!(matches!(wrong.unwrap_err(), Error::Option { .. }));
     let one = TriangleMesh::new(flat.vertices()[..8].to_vec(), vec![[0, 1, 7]]).unwrap();
-    assert!(matches!(parameterize_patch(&one, Metric::Euclidean, &options).unwrap_err(), Error::Corners { .. }));
+    assert!(matches!(
+        parameterize_patch(&one, Metric::Euclidean, &options).unwrap_err(),
+        Error::Corners { .. }
+    ));
     let disc = options.with_domain(ParameterDomain::Disc);
     assert_eq!(parameterize_patch(&one, Metric::Euclidean, &disc).unwrap().places.len(), 3);
 }

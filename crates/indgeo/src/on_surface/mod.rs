@@ -64,7 +64,7 @@ fn mesh_of(content: Content, path: &Path) -> Result<TriangleMesh, Error> {
         Content::Mesh(mesh) => Ok(mesh),
         Content::Cloud(_) => Err(Error::content(
             path,
-            "the file holds points without triangles, but distances on a surface need a surface",
+            "the file holds points without triangles, but a surface is needed",
             "give a triangle mesh",
         )),
         Content::Nurbs(_) => Err(Error::content(

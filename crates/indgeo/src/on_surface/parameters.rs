@@ -95,9 +95,8 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
         DomainChoice::Disc => ParameterDomain::Disc,
     };
     let options = ParameterOptions::default().with_domain(domain).with_corners(job.corners);
-    let found =
-        Timings::measure(&mut timings.compute, || parameterize_patch(&mesh, job.metric, &options))
-            .map_err(|error| refused(job.mesh, &error, HELP))?;
+    let found = Timings::measure(&mut timings.compute, || parameterize_patch(&mesh, job.metric, &options))
+        .map_err(|error| refused(job.mesh, &error, HELP))?;
     let mut seconds = timings.write;
     Timings::measure(&mut seconds, || write(job, &mesh, &found, report))?;
     timings.write = seconds;
@@ -182,18 +181,17 @@ fn write(
 }
 
 /// Draws the patch with its parameter lines, and beside it the domain, shaded as the patch is.
-fn draw(
-    path: &Path,
-    mesh: &TriangleMesh,
-    found: &PatchParameters,
-    report: &mut Report,
-) -> Result<(), Error> {
+fn draw(path: &Path, mesh: &TriangleMesh, found: &PatchParameters, report: &mut Report) -> Result<(), Error> {
     let own = unfolded(mesh, found, path)?;
     let mut scene = MeshScene::new(&own, Paint::Plain(PLAIN));
     scene.view = facing(&own);
     for (direction, colour) in COLOURS.into_iter().enumerate() {
         let lines = found.lines(mesh, direction, LINES);
-        scene.curves.extend(lines.into_iter().map(|ends| Curve { points: ends.to_vec(), colour, width: WIDTH }));
+        scene.curves.extend(lines.into_iter().map(|ends| Curve {
+            points: ends.to_vec(),
+            colour,
+            width: WIDTH,
+        }));
     }
     let flat: Vec<Point3<f64>> =
         found.places.iter().map(|place| Point3::new(place.parameters[0], place.parameters[1], 0.0)).collect();

@@ -178,7 +178,10 @@ fn a_patch_gets_parameters_in_both_metrics() {
     assert_eq!(plain.len(), 45);
     for row in &plain {
         // Unrolled it is a rectangle.
-        assert!((row[4] - 0.5 * (row[1] + row[3])).abs() < 1e-12 && (row[5] - row[2]).abs() < 1e-12, "{row:?}");
+        assert!(
+            (row[4] - 0.5 * (row[1] + row[3])).abs() < 1e-12 && (row[5] - row[2]).abs() < 1e-12,
+            "{row:?}"
+        );
     }
     let options = "--metric feature --w 0.5 --params bent.csv --picture bent.svg --json bent.json";
     let run = bench.run(&format!("parameterize bent.obj {options}"));
@@ -186,7 +189,8 @@ fn a_patch_gets_parameters_in_both_metrics() {
     let bent = rows("bent.csv");
     // The five vertices of the edge have a place on either side.
     assert_eq!(bent.len(), 50);
-    let on_edge: Vec<f64> = bent.iter().filter(|row| row[1] == 1.0 && row[3] == 0.0).map(|row| row[4]).collect();
+    let on_edge: Vec<f64> =
+        bent.iter().filter(|row| row[1] == 1.0 && row[3] == 0.0).map(|row| row[4]).collect();
     assert!(on_edge.len() == 10 && on_edge.iter().all(|u| (u - 0.5).abs() > 0.1), "{on_edge:?}");
     assert!(bench.text("bent.svg").contains("data:image/png;base64,"));
     let schema = crate::common::schema::of("parameterize");
@@ -208,7 +212,7 @@ fn patches_that_cannot_be_laid_out_are_refused() {
     bench.put("points.xyz", "0 0 0\n1 0 0\n0 1 0\n");
     for (arguments, what) in [
         ("tetra.obj --metric euclidean", "0 boundary curve(s)"),
-        ("points.xyz --metric euclidean", "needs a surface"),
+        ("points.xyz --metric euclidean", "points without triangles"),
         ("bent.obj --metric feature", "--w LENGTH"),
         ("bent.obj --metric feature --w -1", "w is -1"),
         ("bent.obj --metric euclidean --corners 0,1,2,5", "vertex 5"),
