@@ -1,8 +1,8 @@
 //! Points matched by position and normal: the nearest of the image `(x, w n) ∈ R⁶` of a shape ([P05, sec. 6]).
 //!
 //! Far from the right pose the nearest point of a shape lies on a wrong face as often as not. With the normal as three more coordinates, times
-//! a length `w`, faces that look the other way are far away. On bodies with edges this finds other poses than nearest points from starts far
-//! off, but not more often the true one (`cargo xtask measure registration-features`), so that it is an option.
+//! a length `w`, faces that look the other way are far away, such as the other side of a thin wall. What that brings depends on the part and
+//! is measured (`cargo xtask measure registration-features`), so that it is an option.
 
 use crate::parallel;
 use crate::start::OrientedPoints;

@@ -40,7 +40,7 @@ pub(super) fn pieces(image: &MetricMesh) -> Result<Vec<Piece>, Error> {
     for first in mesh.half_edges().filter(|half_edge| half_edge.edge() == 0) {
         let sides = [first, first.next(), first.previous()];
         let lengths = sides.map(|side| image.length(side));
-        if lengths.iter().any(|length| !(*length > 0.0)) {
+        if lengths.iter().any(|length| length.is_nan() || *length <= 0.0) {
             return Err(Error::Unsolvable);
         }
         found.push(Piece { corners: sides.map(|side| mesh.origin(side)), lengths });

@@ -55,8 +55,8 @@ pub(crate) struct Args {
     method: MethodChoice,
     /// Approach the model from each start by points matched with position and normal, the normal times this length (0: position alone)
     ///
-    /// A look at the shape by another criterion than nearest points: it finds other poses from far starts, not more of them (measured:
-    /// docs/measurements.md); lengths of a tenth of the size of the model did best. Points without normals get
+    /// Finds the pose of parts with thin walls more often from starts far off, that of others hardly or not (docs/measurements.md); a tenth to a
+    /// third of the size of the model is a good length, more than it costs. Points without normals get
     /// those of planes through neighbours, whose side does not count.
     #[arg(long, value_name = "W", value_parser = numbers::not_negative, conflicts_with_all = ["lock", "partial"])]
     feature_weight: Option<f64>,
