@@ -71,8 +71,8 @@ fn a_fillet_takes_the_share_of_its_length_in_the_metric() {
         assert!((all.iter().sum::<f64>() - 1.0).abs() < 1e-12);
         // Triangles between vertices of the fillet.
         let is_bent = |k: &u32| {
-            let normal =
-                at(f64::from(found.places[*k as usize].vertex as u32 % (n + 1)) / f64::from(n), 0.0).1;
+            let column = found.places[*k as usize].vertex % (n as usize + 1);
+            let normal = at(column as f64 / f64::from(n), 0.0).1;
             normal.x > 1e-9 && normal.z > 1e-9
         };
         let share: f64 =
