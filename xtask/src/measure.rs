@@ -96,6 +96,15 @@ const MEASUREMENTS: &[Measurement] = &[
         one_thread: false,
     },
     Measurement {
+        name: "registration-features",
+        title: "Registration after matching by position and normal",
+        about: "From random starts of 15 to 180 degrees: by nearest points alone, and after matching in R6 (`register --feature-weight`) with \
+                several lengths of the normal; 600 points with noise of a thousandth of the diagonal.",
+        program: "feature_matching",
+        arguments: &[],
+        one_thread: true,
+    },
+    Measurement {
         name: "views",
         title: "Many views at once",
         about: "Six views of one body without common points. Wanted without noise: 5e-6 of the diameter.",

@@ -63,4 +63,34 @@ pub enum Error {
         /// Most vertices.
         most: usize,
     },
+    /// A mesh that is no patch with the topology of a disc.
+    #[error(
+        "a patch is one connected oriented manifold with one boundary and no handles, but the mesh has {parts} part(s), {boundaries} \
+         boundary curve(s), Euler characteristic {euler} (1 for a disc){}",
+        if *.is_manifold { "" } else { ", and edges or vertices that are not manifold" }
+    )]
+    NotADisc {
+        /// Number of connected parts.
+        parts: usize,
+        /// Number of boundary curves.
+        boundaries: usize,
+        /// Vertices − edges + triangles.
+        euler: i64,
+        /// Whether the mesh is an oriented manifold.
+        is_manifold: bool,
+    },
+    /// Corners of a square that are not four different vertices of the boundary.
+    #[error(
+        "the corners of a square are four different vertices of the boundary, which has {boundary}{}",
+        .vertex.map_or_else(String::new, |vertex| format!("; vertex {vertex} (from 0) is none of these, or given twice"))
+    )]
+    Corners {
+        /// Number of vertices of the boundary.
+        boundary: usize,
+        /// The vertex that was given.
+        vertex: Option<usize>,
+    },
+    /// Triangles so thin that no weights of their vertices can be computed.
+    #[error("the parameters cannot be computed: triangles of the mesh have no area but for rounding")]
+    Unsolvable,
 }

@@ -6,7 +6,8 @@
 //!
 //! - [`MetricMesh`]: a mesh with one of the two metrics; geodesic [distances](MetricMesh::distances) by a [`Method`],
 //!   [paths](MetricMesh::path), and [morphology](MetricMesh::morphology) by geodesic balls;
-//! - [`surface_geodesic`]: geodesic curves on parametric surfaces between two points.
+//! - [`surface_geodesic`]: geodesic curves on parametric surfaces between two points;
+//! - [`parameterize_patch`]: parameters of a patch over a square or a disc, with more room for features.
 //!
 //! ```
 //! use feature_metric::{Method, Metric, MetricMesh};
@@ -33,6 +34,7 @@ mod geodesic;
 mod mesh;
 mod metric;
 mod morphology;
+mod parameters;
 mod surface_geodesic;
 
 pub use error::Error;
@@ -40,6 +42,9 @@ pub use geodesic::{Distances, GeodesicPath, Method};
 pub use mesh::{InsertedPoint, MetricMesh, insert_point};
 pub use metric::Metric;
 pub use morphology::Operation;
+pub use parameters::{
+    ParameterDomain, ParameterOptions, ParameterPlace, PatchParameters, parameterize_patch,
+};
 pub use surface_geodesic::{GeodesicOptions, SurfaceGeodesic, surface_geodesic};
 
 // The crates whose types occur in the interface of this one.

@@ -72,7 +72,8 @@ impl<const D: usize> Aabb<D> {
     }
 
     /// Squared distance from a point, 0 inside.
-    fn distance_sq(&self, x: &Point<f64, D>) -> f64 {
+    #[inline]
+    pub(crate) fn distance_sq(&self, x: &Point<f64, D>) -> f64 {
         let mut sum = 0.0;
         for axis in 0..D {
             let outside = larger(larger(self.min[axis] - x[axis], x[axis] - self.max[axis]), 0.0);
@@ -184,6 +185,35 @@ impl<const D: usize> Bvh<D> {
                 limit = visit(place);
             }
         }
+    }
+
+    /// Visits the leaves whose boxes are not farther from a point than a squared distance: the places of their items, their box, and its
+    /// squared distance, as long as `visit` wants more. Whether it always did.
+    pub(crate) fn leaves_within(
+        &self,
+        x: &Point<f64, D>,
+        limit_sq: f64,
+        mut visit: impl FnMut(Range<usize>, &Aabb<D>, f64) -> bool,
+    ) -> bool {
+        let mut stack = [0usize; MAX_DEPTH + 1];
+        let mut depth = 1;
+        while depth > 0 {
+            depth -= 1;
+            let node = &self.nodes[stack[depth]];
+            let distance_sq = node.bounds.distance_sq(x);
+            if distance_sq > limit_sq {
+                continue;
+            }
+            if node.count > 0 {
+                if !visit(node.first..node.first + node.count, &node.bounds, distance_sq) {
+                    return false;
+                }
+            } else {
+                (stack[depth], stack[depth + 1]) = (node.first, node.first + 1);
+                depth += 2;
+            }
+        }
+        true
     }
 
     /// A value per node, from those of its items or of its children.

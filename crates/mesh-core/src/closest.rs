@@ -6,16 +6,15 @@ use nalgebra::{Point3, Vector3};
 
 use crate::bounds::is_finite;
 use crate::bvh::{Aabb, Bvh};
+use crate::nearest_triangle::Nearest;
 use crate::normal_cone::NormalCone;
 use crate::pseudo_normal::PseudoNormals;
 use crate::topology::EdgeMap;
 use crate::triangle::{Feature, Triangle, TriangleFoot};
-use crate::{BoundingBox, Error, MeshTopology, TriangleMesh, parallel};
+use crate::{BoundingBox, Error, MeshTopology, TriangleMesh};
 
 /// Part of the mesh's diagonal within which triangles count as meeting at a point, where one of them has no area.
 const MEETING: f64 = 1e-9;
-/// Distances of feet are rounded by less than this share of the coordinates.
-const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// The closest point on a mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,18 +56,10 @@ pub struct MeshProjector {
     skipped: usize,
     pub(crate) meeting: f64,
     /// Largest absolute coordinate.
-    reach: f64,
+    pub(crate) reach: f64,
     /// Place of each triangle of the mesh, and the normals under each node; made when they are first asked for.
     pub(crate) places: OnceLock<Vec<u32>>,
     pub(crate) cones: OnceLock<Vec<NormalCone>>,
-}
-
-/// The triangle that is nearest to a point.
-struct Nearest {
-    place: usize,
-    foot: TriangleFoot,
-    /// How far the point may move while it stays the nearest.
-    slack: f64,
 }
 
 impl MeshProjector {
@@ -180,7 +171,7 @@ impl MeshProjector {
         (foot.distance_sq < f64::INFINITY).then(|| self.footpoint(x, place, foot))
     }
 
-    fn footpoint(&self, x: &Point3<f64>, place: usize, foot: TriangleFoot) -> MeshFootpoint {
+    pub(crate) fn footpoint(&self, x: &Point3<f64>, place: usize, foot: TriangleFoot) -> MeshFootpoint {
         let normal = self.pseudo_normal(place, foot.feature, &foot.point);
         let distance = foot.distance_sq.sqrt();
         let signed_distance =
@@ -194,60 +185,6 @@ impl MeshProjector {
             signed_distance,
             normal: normal.try_normalize(0.0).unwrap_or_else(Vector3::zeros),
         }
-    }
-
-    /// The closest points to many points, in their order, on all threads. See [`MeshProjector::project`].
-    #[must_use]
-    pub fn project_many(&self, points: &[Point3<f64>]) -> Vec<Result<MeshFootpoint, Error>> {
-        // The search begins with the triangle of the query before, which is a neighbour: that saves time and changes no answer.
-        parallel::map_with(
-            points,
-            || None,
-            |before, i| {
-                let foot = self.project_near(&points[i], *before);
-                *before = foot.as_ref().ok().map(|foot| foot.triangle);
-                foot
-            },
-        )
-    }
-
-    /// The nearest triangle and its foot; the search begins at the distance of a guess, and goes on for `wanted` beyond the nearest.
-    fn nearest(&self, x: &Point3<f64>, guess: Option<usize>, wanted: f64) -> Option<Nearest> {
-        // Feet are rounded by units of the coordinates: boxes that are farther by no more than that may hold the nearest one, or
-        // one as near with a smaller index. With this margin the answer is the least of all, wherever the search begins.
-        let rounding = ROUNDING * (self.reach + x.coords.amax());
-        let bound = |distance_sq: f64| (distance_sq.sqrt() + rounding + wanted).powi(2);
-        let mut best = guess.map(|place| (place, self.triangles[place].distance_sq(x)));
-        best = best.filter(|(_, distance_sq)| *distance_sq < f64::INFINITY);
-        let mut limit = best.map_or(f64::INFINITY, |(_, distance_sq)| distance_sq);
-        let mut enough = bound(limit);
-        let mut others = f64::INFINITY;
-        self.bvh.nearest_where(
-            x,
-            enough,
-            |_| true,
-            |place| {
-                let again = best.is_some_and(|(best, _)| best == place);
-                if again || self.triangles[place].box_distance_sq(x) > enough {
-                    return enough;
-                }
-                let distance_sq = self.triangles[place].distance_sq(x);
-                let nearer = distance_sq < limit
-                    || distance_sq == limit
-                        && best.is_some_and(|(best, _)| self.indices[place] < self.indices[best]);
-                if nearer {
-                    others = others.min(limit);
-                    limit = distance_sq;
-                    enough = bound(limit);
-                    best = Some((place, distance_sq));
-                } else {
-                    others = others.min(distance_sq);
-                }
-                enough
-            },
-        );
-        let slack = (0.5 * (others.min(enough).sqrt() - limit.sqrt()) - rounding).max(0.0);
-        best.map(|(place, _)| Nearest { place, foot: self.triangles[place].closest(x), slack })
     }
 
     /// The pseudo-normal, not of unit length, at a point of a triangle.

@@ -39,6 +39,7 @@ mod kd_tree;
 mod line_hit;
 mod loop_subdivision;
 mod mesh;
+mod nearest_triangle;
 mod normal_cone;
 mod normals;
 mod parallel;

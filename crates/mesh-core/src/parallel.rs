@@ -34,6 +34,36 @@ pub(crate) fn map_with<const D: usize, S: Send, T: Send>(
     sorted.into_iter().flatten().collect()
 }
 
+/// Answers to queries at points, in the order of the points, found for packets of up to `length` that are near each other.
+///
+/// `f` gets the indices of a packet, and appends one answer for each.
+pub(crate) fn packets<const D: usize, T: Send>(
+    points: &[Point<f64, D>],
+    length: usize,
+    f: impl Fn(&[u32], &mut Vec<T>) + Sync,
+) -> Vec<T> {
+    let order = spatial_order(points);
+    let task = length * CHUNK.div_ceil(length);
+    let parts = lanes::ranges(points.len(), task, |range| {
+        let mut out = Vec::with_capacity(range.len());
+        let indices: Vec<u32> = match &order {
+            Some(order) => order[range].to_vec(),
+            None => range.filter_map(|index| u32::try_from(index).ok()).collect(),
+        };
+        for packet in indices.chunks(length) {
+            f(packet, &mut out);
+        }
+        out
+    });
+    let Some(order) = order else { return parts.into_iter().flatten().collect() };
+    let mut sorted: Vec<Option<T>> = std::iter::repeat_with(|| None).take(order.len()).collect();
+    for (answer, index) in parts.into_iter().flatten().zip(order) {
+        sorted[index as usize] = Some(answer);
+    }
+    // The order has every index once.
+    sorted.into_iter().flatten().collect()
+}
+
 /// `f(scratch, 0), f(scratch, 1), …` in order.
 fn in_chunks<S: Send, T: Send>(
     count: usize,

@@ -190,7 +190,8 @@ impl Cholesky {
 
 /// Solves `A X = rhs` (column after column) in place by LU with pivoting; `false` when `A` is
 /// structurally singular or memory is short. A numerically singular matrix shows in the result.
-pub(crate) fn solve_general(a: &Sparse, rhs: &mut [f64]) -> bool {
+#[must_use]
+pub fn solve_general(a: &Sparse, rhs: &mut [f64]) -> bool {
     let (n, columns) = (a.size, rhs.len().checked_div(a.size).unwrap_or(0));
     let Ok(symbolic) = lu::factorize_symbolic_lu(a.view().symbolic(), Default::default()) else {
         return false;

@@ -58,6 +58,14 @@ impl Default for View {
     }
 }
 
+impl View {
+    /// To the right, up, and towards the eye.
+    fn rotation(self) -> Rotation3<f64> {
+        Rotation3::from_axis_angle(&Vector3::x_axis(), self.height - std::f64::consts::FRAC_PI_2)
+            * Rotation3::from_axis_angle(&Vector3::z_axis(), self.turn)
+    }
+}
+
 /// A mesh with what is drawn on it.
 #[derive(Clone, Debug)]
 pub struct MeshScene<'a> {
@@ -115,10 +123,22 @@ impl<'a> MeshScene<'a> {
         target.canvas.finished()
     }
 
+    /// The unit normals of the vertices as they are seen: to the right, up, and towards the eye. As [`normals`](Self::normals) of another
+    /// mesh that is seen from above they shade it like this one.
+    #[must_use]
+    pub fn seen_normals(&self) -> Vec<Vector3<f64>> {
+        let turn = self.view.rotation();
+        let mut sums = vec![Vector3::zeros(); self.mesh.vertices().len()];
+        for (triangle, normals) in self.mesh.triangles().iter().zip(self.corner_normals()) {
+            for (&vertex, normal) in triangle.iter().zip(&normals) {
+                sums[vertex as usize] += normal;
+            }
+        }
+        sums.into_iter().map(|sum| turn * sum.try_normalize(0.0).unwrap_or_else(Vector3::z)).collect()
+    }
+
     fn eye(&self, size: usize) -> Eye {
-        let turn =
-            Rotation3::from_axis_angle(&Vector3::x_axis(), self.view.height - std::f64::consts::FRAC_PI_2)
-                * Rotation3::from_axis_angle(&Vector3::z_axis(), self.view.turn);
+        let turn = self.view.rotation();
         let own = || self.mesh.vertices().iter().copied().chain(self.points.iter().map(|p| p.0));
         let shown: Vec<Point3<f64>> = self.frame.map_or_else(|| own().collect(), <[_]>::to_vec);
         let (mut low, mut high) = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));

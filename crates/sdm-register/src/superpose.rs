@@ -39,7 +39,7 @@ pub fn superpose<const D: usize>(
 }
 
 /// The rotation `R` that maximises `Σ wᵢ ⟨R xᵢ, qᵢ⟩`, given `S = Σ wᵢ xᵢ qᵢᵀ`.
-fn best_rotation<const D: usize>(s: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
+pub(crate) fn best_rotation<const D: usize>(s: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
     if D == 2 {
         let angle = (s[(0, 1)] - s[(1, 0)]).atan2(s[(0, 0)] + s[(1, 1)]);
         return rotation::exponential::<D>(&Vector3::new(angle, 0.0, 0.0)).0;

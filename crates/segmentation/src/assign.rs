@@ -152,6 +152,18 @@ pub(crate) fn refit(cloud: &Cloud<'_>, regions: &mut Vec<Region>, labels: &mut [
     }
 }
 
+/// Fits the carriers of finished regions to all that tells their parameters. Cones stay: others have told their axes.
+pub(crate) fn settle(cloud: &Cloud<'_>, regions: &mut [Region]) {
+    let mut inside = vec![false; cloud.points.len()];
+    for region in regions {
+        let Some(carrier) = region.carrier.filter(|c| !matches!(c, Carrier::Cone { .. })) else { continue };
+        let sample = carried(cloud, &carrier, &cloud.telling(&region.points, &mut inside));
+        if let Some(fit) = refine(&carrier, &sample, 10) {
+            (region.carrier, region.rms) = (Some(fit.carrier), fit.rms);
+        }
+    }
+}
+
 /// The points that a carrier explains, or all if that leaves less than half of them.
 ///
 /// A point that its neighbours draw to a region but that lies elsewhere would take the carrier of few points away from all others.

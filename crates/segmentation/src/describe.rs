@@ -4,10 +4,11 @@ use nalgebra::{Point3, Vector3};
 
 use crate::carrier::Carrier;
 use crate::grow::{Cloud, NONE, Region};
-use crate::least_squares::{covariance, mean};
+use crate::least_squares::mean;
 use crate::report::{RegionReport, RunnerUp, Segmentation, Shape};
 use crate::segment::Frame;
 use crate::sweep::Sweep;
+use crate::uncertainty::covariance;
 
 /// The report of a finished segmentation, the largest region first.
 pub(crate) fn describe(
@@ -30,8 +31,10 @@ pub(crate) fn describe(
             let region = &regions[k];
             let core = cloud.core(&region.points, &mut inside);
             let points = cloud.positions(&core);
+            let telling = cloud.telling(&region.points, &mut inside);
             let chi2 = (region.rms / cloud.sigma).powi(2);
-            let matrix = region.carrier.and_then(|c| covariance(&c, &points, cloud.sigma).map(|m| (c, m)));
+            let matrix =
+                region.carrier.and_then(|c| covariance(cloud, regions, labels, k, &telling).map(|m| (c, m)));
             let covariance = matrix.map_or_else(Vec::new, |(carrier, m)| {
                 let unit = |i: usize| if is_angle(&carrier, i) { 1.0 } else { frame.scale };
                 let row = |i: usize| (0..m.ncols()).map(|j| m[(i, j)] * unit(i) * unit(j)).collect();

@@ -92,6 +92,32 @@ impl Cloud<'_> {
     }
 }
 
+impl Cloud<'_> {
+    /// The points that tell the parameters of a region at the end: those away from its border where they are at least half of it. Fewer say
+    /// less than the rows next to the border may spoil.
+    pub(crate) fn telling(&self, region: &[u32], inside: &mut [bool]) -> Vec<u32> {
+        let core = self.core(region, inside);
+        if 2 * core.len() >= region.len() { core } else { region.to_vec() }
+    }
+
+    /// The points of a region that are at least `rings` links away from its border; these may be none.
+    pub(crate) fn inner(&self, region: &[u32], rings: usize, inside: &mut [bool]) -> Vec<u32> {
+        let mut kept = region.to_vec();
+        for _ in 0..rings {
+            for &i in &kept {
+                inside[i as usize] = true;
+            }
+            let is_inner = |i: &u32| self.graph.links(*i as usize).iter().all(|&j| inside[j as usize]);
+            let next: Vec<u32> = kept.iter().copied().filter(is_inner).collect();
+            for &i in &kept {
+                inside[i as usize] = false;
+            }
+            kept = next;
+        }
+        kept
+    }
+}
+
 /// Bias of normals in radians that is allowed on top of 3 standard deviations.
 const NORMAL_BIAS: f64 = 0.15;
 

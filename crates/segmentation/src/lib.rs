@@ -40,6 +40,7 @@ mod segment;
 mod smooth;
 mod sweep;
 mod trend;
+mod uncertainty;
 mod velocity;
 
 pub use error::Error;

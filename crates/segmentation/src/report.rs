@@ -108,7 +108,8 @@ pub struct RegionReport {
     pub label: u32,
     /// The surface that carries it.
     pub shape: Shape,
-    /// Covariance of the unknowns of the fit for the noise of the cloud, by rows; empty for swept and free-form regions and where the
+    /// Covariance of the unknowns of the fit, by rows: for the noise of the cloud, and for points next to the borders that belong to the
+    /// neighbours as well; empty for swept and free-form regions and where the
     /// points leave an unknown open.
     ///
     /// The unknowns, with `e`, `f` two directions perpendicular to each other and to the axis, and the reference point next to the middle

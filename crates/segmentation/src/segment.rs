@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
-use crate::assign::{assign, refit, split};
+use crate::assign::{assign, refit, settle, split};
 use crate::border::cut;
 use crate::common::share_helix;
 use crate::describe::describe;
@@ -122,6 +122,7 @@ fn finish(cloud: &Cloud<'_>, regions: &mut Vec<Region>, labels: &mut [u32], fewe
     find_sweeps(cloud, regions);
     share_helix(cloud, regions);
     find_cones(cloud, regions, labels);
+    settle(cloud, regions);
 }
 
 /// Standard deviation of the noise from the regions of many points, by the median.

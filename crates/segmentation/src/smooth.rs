@@ -12,8 +12,10 @@ use crate::carrier::Carrier;
 use crate::graph::as_index;
 use crate::grow::{Cloud, NONE, Region};
 use crate::jets::{CLEAN, FEW, Jet};
+use crate::least_squares::refine;
 use crate::merge::adjacency;
-use crate::sweep::{Sweep, decide_sweep};
+use crate::sweep::{SAMPLES, Sweep, decide_sweep, is_no_revolution};
+use crate::trend::has_trend;
 
 /// Angle in radians between the normals of two carriers at a border beyond which it is an edge.
 pub(crate) const EDGE: f64 = 0.06;
@@ -279,12 +281,15 @@ pub(crate) fn find_sweeps(cloud: &Cloud<'_>, regions: &mut [Region]) {
     for region in regions.iter_mut().filter(|r| r.carrier.is_none()) {
         let core = cloud.core(&region.points, &mut inside);
         let (decision, _) = cloud.decide(&region.points, None, true, &mut inside);
-        if let Some(fit) = decision.accepted {
+        if let Some(fit) = decision.accepted
+            && !is_refuted(cloud, &region.points, &fit.carrier, &mut inside)
+        {
             region.carrier = Some(fit.carrier);
             region.rms = fit.rms;
             continue;
         }
-        let found = decide_sweep(&cloud.positions(&core), &cloud.normals(&core), cloud.sigma);
+        let found = decide_sweep(&cloud.positions(&core), &cloud.normals(&core), cloud.sigma)
+            .filter(|(sweep, _)| !is_no_motion(cloud, &region.points, sweep, &mut inside));
         region.sweep = found.map(|f| f.0);
         if let Some((_, rms)) = found {
             region.rms = rms;
@@ -302,5 +307,42 @@ pub(crate) fn decide_again(cloud: &Cloud<'_>, regions: &mut [Region]) {
             region.carrier = Some(fit.carrier);
             region.rms = fit.rms;
         }
+        if region.carrier.is_some_and(|carrier| is_refuted(cloud, &region.points, &carrier, &mut inside)) {
+            region.carrier = None;
+        }
     }
+}
+
+/// Links between the border of a region and the points that are asked whether a torus carries it: what a neighbour left there is none of
+/// it.
+const RINGS: usize = 2;
+/// Fewest points that tell: ten for each coefficient of the trend.
+const TELLING: usize = 200;
+/// Share of the variance of the noise that a trend may have far from the border: a bias of a seventh of its standard deviation.
+const BIAS: f64 = 0.02;
+
+/// Whether all points of a region together refute its torus.
+///
+/// A torus has the position, the tangent plane and both curvatures of any smooth surface at a point, so that it explains a large piece of
+/// each within the noise of single points. The trend of all distances is asked, then: on a torus it is that of noise.
+fn is_refuted(cloud: &Cloud<'_>, region: &[u32], carrier: &Carrier, inside: &mut [bool]) -> bool {
+    if !matches!(carrier, Carrier::Torus { .. }) {
+        return false;
+    }
+    let points = cloud.positions(&cloud.inner(region, RINGS, inside));
+    if points.len() < TELLING {
+        return false;
+    }
+    refine(carrier, &points, STEPS).is_some_and(|fit| has_trend(&fit.carrier, &points, cloud.sigma, BIAS))
+}
+
+/// Steps of a refinement.
+const STEPS: usize = 30;
+
+/// The same of a surface of revolution, which a profile gives as much freedom.
+fn is_no_motion(cloud: &Cloud<'_>, region: &[u32], sweep: &Sweep, inside: &mut [bool]) -> bool {
+    let inner = cloud.inner(region, RINGS, inside);
+    let stride = inner.len().div_ceil(SAMPLES[1].0).max(1);
+    let some: Vec<u32> = inner.into_iter().step_by(stride).collect();
+    some.len() >= TELLING && is_no_revolution(sweep, &cloud.positions(&some), cloud.sigma, BIAS)
 }

@@ -1,12 +1,13 @@
 //! Surfaces swept by a motion: extrusions, surfaces of revolution, helical surfaces, by the distances from their profile.
 
 use mesh_core::CloudIndex;
-use nalgebra::{DMatrix, DVector, Matrix3, Point2, Point3, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Point2, Point3, Vector2, Vector3};
 
 use crate::carrier::{across, cylindrical};
 use crate::decide::limit;
 use crate::jets::PointNormal;
 use crate::least_squares::mean;
+use crate::trend::trend_exceeds;
 use crate::velocity::{Fields, Helical};
 
 /// The motion that sweeps a region.
@@ -106,6 +107,11 @@ impl Sweep {
     /// Distances of the points from the profile that the others make, a parabola over the nearest in the section; scaled so that noise
     /// keeps its standard deviation. `None` where the section is no curve.
     fn distances(&self, points: &[Point3<f64>], most: usize) -> Option<Vec<f64>> {
+        self.feet(points, most).map(|feet| feet.into_iter().map(|foot| foot.0).collect())
+    }
+
+    /// The same with the normal of the profile in the section, along which a distance is positive.
+    fn feet(&self, points: &[Point3<f64>], most: usize) -> Option<Vec<(f64, Vector2<f64>)>> {
         let section = self.section(points);
         let flat: Vec<Point2<f64>> = section.iter().map(|s| s.0).collect();
         if flat.iter().any(|p| !p.x.is_finite() || !p.y.is_finite()) {
@@ -138,7 +144,7 @@ impl Sweep {
                 matrix += row * row.transpose();
                 right += row * v;
             }
-            let Some(inverse) = matrix.try_inverse() else { return 0.0 };
+            let Some(inverse) = matrix.try_inverse() else { return (0.0, Vector2::x()) };
             let k = inverse * right;
             let (u, v) = local(i);
             let row = Vector3::new(1.0, u, u * u);
@@ -147,10 +153,31 @@ impl Sweep {
             // Gradient of v − k(u) in the section, then in space.
             let (gx, gy) = (-slope * c - s, c - slope * s);
             let norm = (gx * gx + gy * gy * (1.0 + section[i].1)).sqrt();
-            (v - row.dot(&k)) / norm / (1.0 - leverage).sqrt()
+            ((v - row.dot(&k)) / norm / (1.0 - leverage).sqrt(), Vector2::new(gx, gy).normalize())
         });
         Some(distances)
     }
+}
+
+/// Whether the distances of points from a surface of revolution have a trend over it, as those of another surface have.
+///
+/// A profile gives a surface of revolution the freedom that a torus has at a point, and more.
+pub(crate) fn is_no_revolution(sweep: &Sweep, points: &[Point3<f64>], sigma: f64, allowed: f64) -> bool {
+    let Sweep::Revolution { point, axis } = sweep else { return false };
+    let Some(feet) = sweep.feet(points, SAMPLES[1].1) else { return false };
+    // On one side of the profile, as far as its normals turn by less than a right angle from the middle one.
+    let first = feet.first().map_or_else(Vector2::x, |foot| foot.1);
+    let middle: Vector2<f64> = feet.iter().map(|(_, n)| if n.dot(&first) < 0.0 { -n } else { *n }).sum();
+    let feet: Vec<(f64, Point3<f64>)> = points
+        .iter()
+        .zip(&feet)
+        .map(|(x, (distance, normal))| {
+            let (_, _, away) = cylindrical(x, point, axis);
+            let side = if normal.dot(&middle) < 0.0 { -1.0 } else { 1.0 };
+            (side * distance / sigma, x - (away * normal.x + axis * normal.y) * *distance)
+        })
+        .collect();
+    trend_exceeds(&feet, allowed)
 }
 
 fn rms(distances: &[f64]) -> f64 {
@@ -159,7 +186,7 @@ fn rms(distances: &[f64]) -> f64 {
 
 /// Most points that take part, and most points of a piece of the profile: few points in wide pieces, then, where the profile bends too
 /// much for them, many in narrow ones.
-const SAMPLES: [(usize, usize); 2] = [(600, 40), (4000, 16)];
+pub(crate) const SAMPLES: [(usize, usize); 2] = [(600, 40), (4000, 16)];
 
 /// Covariance of the unknowns of a motion for a noise: tilts of the axis, shifts across it, advance per radian, as far as it has them. `None`
 /// where the points do not determine it.

@@ -11,21 +11,34 @@ const ALLOWED: f64 = 0.06;
 /// Whether polynomials of degree 3 (of degree 2 for few points) in the position explain more of the distances than noise would:
 /// their sum of squares over `σ²` exceeds the number of coefficients by 4 standard deviations and an allowance.
 pub(crate) fn is_systematic(carrier: &Carrier, points: &[Point3<f64>], sigma: f64) -> bool {
-    let n = points.len();
+    has_trend(carrier, points, sigma, ALLOWED)
+}
+
+/// The same with another share of the variance that a trend may have.
+pub(crate) fn has_trend(carrier: &Carrier, points: &[Point3<f64>], sigma: f64, allowed: f64) -> bool {
+    let feet = points.iter().map(|p| {
+        let (distance, normal) = carrier.at(p);
+        (distance / sigma, p - normal * distance)
+    });
+    trend_exceeds(&feet.collect::<Vec<_>>(), allowed)
+}
+
+/// Whether distances, in standard deviations, have a trend over their feet.
+pub(crate) fn trend_exceeds(feet: &[(f64, Point3<f64>)], allowed: f64) -> bool {
+    let n = feet.len();
     if n < 20 {
         return false;
     }
+    let points: Vec<Point3<f64>> = feet.iter().map(|foot| foot.1).collect();
     let terms = if n < 60 { 10 } else { 20 };
-    let centre = mean(points);
+    // Polynomials of the feet: those of the points themselves would contain the distances.
+    let centre = mean(&points);
     let size = points.iter().map(|p| (p - centre).norm()).fold(f64::MIN_POSITIVE, f64::max);
     let mut matrix = DMatrix::<f64>::zeros(terms, terms);
     let mut right = DVector::<f64>::zeros(terms);
     let mut row = [0.0; 20];
-    for p in points {
-        // Polynomials of the feet: those of the points themselves would contain the distances.
-        let (distance, normal) = carrier.at(p);
-        let d = distance / sigma;
-        let q = (p - normal * distance - centre) / size;
+    for (d, foot) in feet {
+        let q = (foot - centre) / size;
         let (x, y, z) = (q.x, q.y, q.z);
         let all = [
             1.0,
@@ -63,5 +76,5 @@ pub(crate) fn is_systematic(carrier: &Carrier, points: &[Point3<f64>], sigma: f6
     let Some(cholesky) = matrix.cholesky() else { return false };
     let explained = right.dot(&cholesky.solve(&right));
     let k = terms as f64;
-    explained > k + 4.0 * (2.0 * k).sqrt() + ALLOWED * n as f64
+    explained > k + 4.0 * (2.0 * k).sqrt() + allowed * n as f64
 }

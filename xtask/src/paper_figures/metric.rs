@@ -1,7 +1,9 @@
 //! Figs. 15 to 17 of \[P05\]: geodesic circles, geodesic curves and dilation in the Euclidean and in the feature sensitive metric.
 
 use super::shading::{BLUE, DARK, GREY, PART_VIEW, RED, SIZE, mesh_of, part};
-use industrial_geometry::feature_metric::{GeodesicOptions, Method, Metric, MetricMesh, surface_geodesic};
+use industrial_geometry::feature_metric::{
+    GeodesicOptions, Method, Metric, MetricMesh, ParameterOptions, parameterize_patch, surface_geodesic,
+};
 use industrial_geometry::mesh::{Attributes, TriangleMesh};
 use industrial_geometry::picture::{Curve, MeshScene, Paint, Sheet, View};
 use nalgebra::{Point3, Vector3};
@@ -62,6 +64,36 @@ fn stepped() -> Result<BsplineSurface, Box<dyn Error>> {
     }
     let knots = |count: usize| KnotVector::uniform_clamped(3, count);
     Ok(BsplineSurface::new(knots(m)?, knots(n)?, net, None)?)
+}
+
+/// Parameter lines of a patch with a smooth bent step in both metrics.
+pub(super) fn parameters() -> Result<String, Box<dyn Error>> {
+    let (mesh, normals) = mesh_of(&stepped()?, [160, 120])?;
+    let mesh = with_normals(&mesh, &normals)?;
+    let mut sheet = Sheet::new();
+    for (title, metric) in [
+        ("Euclidean metric", Metric::Euclidean),
+        ("feature sensitive metric, w = 0.6", Metric::Feature { width: 0.6 }),
+    ] {
+        let found = parameterize_patch(&mesh, metric, &ParameterOptions::default())?;
+        if found.folded > 0 {
+            return Err(format!("{} triangles fold", found.folded).into());
+        }
+        let view = View { turn: -0.35, height: 0.85 };
+        let mut scene =
+            MeshScene { normals: Some(&normals), view, ..MeshScene::new(&mesh, Paint::Plain(GREY)) };
+        for (direction, colour) in [BLUE, RED].into_iter().enumerate() {
+            let lines = found.lines(&mesh, direction, 24);
+            scene.curves.extend(lines.into_iter().map(|ends| Curve {
+                points: ends.to_vec(),
+                colour,
+                width: 1.6,
+            }));
+        }
+        sheet = sheet.with(title, scene.draw(SIZE + 120));
+    }
+    let caption = "Parameter lines of a patch over the unit square. In the feature sensitive metric they crowd where the normal turns.";
+    Ok(sheet.with_caption(caption).to_svg()?)
 }
 
 /// Geodesics between two pairs of points of a parametric surface in both metrics.

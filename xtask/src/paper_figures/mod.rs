@@ -44,6 +44,7 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
         ("registration.svg", registered::cloud().map_err(failed)?),
         ("geodesic-circles.svg", metric::circles().map_err(failed)?),
         ("geodesic-curves.svg", metric::curves().map_err(failed)?),
+        ("feature-parameters.svg", metric::parameters().map_err(failed)?),
         ("dilation.svg", metric::dilation().map_err(failed)?),
         ("weights.svg", weights::one_projection(&vase).map_err(failed)?),
     ];

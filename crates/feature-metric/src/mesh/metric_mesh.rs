@@ -25,7 +25,9 @@ pub struct MetricMesh {
     /// The vertices in space.
     pub(crate) points: Vec<Point3<f64>>,
     /// The vertices here of every vertex of the given mesh; those at one place have the same ones.
-    of_vertex: Vec<Vec<u32>>,
+    pub(crate) of_vertex: Vec<Vec<u32>>,
+    /// The vertices here at the corners of every triangle of the given mesh; `u32::MAX` for one without area.
+    pub(crate) corners: Vec<[u32; 3]>,
     /// All half-edges out of the vertices where several fans of triangles meet.
     fans: BTreeMap<u32, Vec<HalfEdge>>,
     metric: Metric,
@@ -73,9 +75,23 @@ impl MetricMesh {
             let of_vertex = first.iter().map(|&corner| vec![corner]).collect();
             let points = mesh.vertices().to_vec();
             let fans = fans(&given);
-            return Ok(Self { connectivity: given, lengths, points, of_vertex, fans, metric, is_manifold });
+            let mut corners = vec![[u32::MAX; 3]; welded.len()];
+            for half_edge in given.half_edges() {
+                corners[half_edge.triangle()][half_edge.edge()] = given.origin(half_edge);
+            }
+            return Ok(Self {
+                connectivity: given,
+                lengths,
+                points,
+                of_vertex,
+                corners,
+                fans,
+                metric,
+                is_manifold,
+            });
         }
-        let mut image = Image::of(mesh.vertices(), &given, &Wedges::of(mesh, &given));
+        let wedges = Wedges::of(mesh, &given);
+        let mut image = Image::of(mesh.vertices(), &given, &wedges);
         image.refine()?;
         let connectivity = HalfEdgeMesh::of(image.places.len(), &image.triangles);
         let places = &image.places;
@@ -86,7 +102,8 @@ impl MetricMesh {
         let of_vertex = first.iter().map(|&corner| image.of_vertex[corner as usize].clone()).collect();
         let points = places.iter().map(|place| place.point).collect();
         let fans = fans(&connectivity);
-        Ok(Self { connectivity, lengths, points, of_vertex, fans, metric, is_manifold })
+        let corners = wedges.corners;
+        Ok(Self { connectivity, lengths, points, of_vertex, corners, fans, metric, is_manifold })
     }
 
     /// The metric.

@@ -8,3 +8,4 @@ mod wedges;
 
 pub use insert::{InsertedPoint, insert_point};
 pub use metric_mesh::MetricMesh;
+pub(crate) use refine::split;

@@ -57,7 +57,7 @@ impl Image {
 }
 
 /// The parts of a triangle some of whose edges have middles.
-fn split(triangle: [u32; 3], middles: [Option<u32>; 3], out: &mut Vec<[u32; 3]>) {
+pub(crate) fn split(triangle: [u32; 3], middles: [Option<u32>; 3], out: &mut Vec<[u32; 3]>) {
     // Turned so that the first edge is split, and the last one is not unless all are.
     for turn in 0..3 {
         let at = |k: usize| triangle[(turn + k) % 3];

@@ -3,5 +3,6 @@
 mod mesh_distances;
 mod mesh_paths;
 mod morphology;
+mod parameters;
 mod shapes;
 mod surface_geodesics;

@@ -60,7 +60,7 @@ pub(crate) fn mesh_of(content: Content, path: &Path) -> Result<TriangleMesh, Err
         Content::Mesh(mesh) => Ok(mesh),
         Content::Cloud(_) => Err(Error::content(
             path,
-            "the file holds points without triangles, but distances on a surface need a surface",
+            "the file holds points without triangles, but a surface is needed",
             "give a triangle mesh",
         )),
         Content::Nurbs(_) => Err(Error::content(
@@ -77,8 +77,12 @@ pub(crate) fn refused(path: &Path, error: &MetricError, help: &'static str) -> E
         MetricError::Option { name, value, allowed } => {
             Error::option(if *name == "width" { "w" } else { name }, *value, allowed, help)
         }
-        MetricError::Vertex { .. } | MetricError::Parameters { .. } => {
+        MetricError::Vertex { .. } | MetricError::Parameters { .. } | MetricError::Corners { .. } => {
             Error::content(path, error.to_string(), help)
+        }
+        MetricError::NotADisc { .. } => {
+            let what = "cut it open, close its holes, or give one part: `indgeo info` lists parts and holes";
+            Error::content(path, error.to_string(), what)
         }
         _ => Error::content(path, error.to_string(), "check it with `indgeo info`"),
     }

@@ -142,3 +142,87 @@ fn bad_input_says_what_and_what_to_do() {
     }
     assert!(!bench.files().contains(&"base.json".to_owned()));
 }
+
+/// A sheet of `2 n` by `n` cells that is bent by a right angle along its middle, as OBJ.
+fn bent(n: u32) -> String {
+    let place = |i: u32| f64::from(i) / f64::from(n);
+    let mut text = String::new();
+    for i in 0..=2 * n {
+        for j in 0..=n {
+            let (x, z) = if i <= n { (place(i), 0.0) } else { (1.0, place(i - n)) };
+            text += &format!("v {x} {} {z}\n", place(j));
+        }
+    }
+    for i in 0..2 * n {
+        for j in 0..n {
+            let [a, b, c, d] = [0, n + 1, n + 2, 1].map(|k| i * (n + 1) + j + k + 1);
+            text += &format!("f {a} {b} {c}\nf {a} {c} {d}\n");
+        }
+    }
+    text
+}
+
+#[test]
+fn a_patch_gets_parameters_in_both_metrics() {
+    let bench = Bench::new();
+    bench.put("bent.obj", bent(4) + "v 9 9 9\n");
+    let run = bench.run("parameterize bent.obj --metric euclidean --params plain.csv --json plain.json");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(run.stderr.contains("1 vertex without a row"), "{}", run.stderr);
+    let rows = |name: &str| -> Vec<Vec<f64>> {
+        let text = bench.text(name);
+        assert!(text.starts_with("vertex,x,y,z,u,v\n"));
+        text.lines().skip(1).map(|line| line.split(',').map(|n| n.parse().unwrap()).collect()).collect()
+    };
+    let plain = rows("plain.csv");
+    assert_eq!(plain.len(), 45);
+    for row in &plain {
+        // Unrolled it is a rectangle.
+        assert!(
+            (row[4] - 0.5 * (row[1] + row[3])).abs() < 1e-12 && (row[5] - row[2]).abs() < 1e-12,
+            "{row:?}"
+        );
+    }
+    let options = "--metric feature --w 0.5 --params bent.csv --picture bent.svg --json bent.json";
+    let run = bench.run(&format!("parameterize bent.obj {options}"));
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let bent = rows("bent.csv");
+    // The five vertices of the edge have a place on either side.
+    assert_eq!(bent.len(), 50);
+    let on_edge: Vec<f64> =
+        bent.iter().filter(|row| row[1] == 1.0 && row[3] == 0.0).map(|row| row[4]).collect();
+    assert!(on_edge.len() == 10 && on_edge.iter().all(|u| (u - 0.5).abs() > 0.1), "{on_edge:?}");
+    assert!(bench.text("bent.svg").contains("data:image/png;base64,"));
+    let schema = crate::common::schema::of("parameterize");
+    for name in ["plain.json", "bent.json"] {
+        let report: serde_json::Value = serde_json::from_str(&bench.text(name)).unwrap();
+        assert_eq!(crate::common::schema::violations(&schema, &report), Vec::<String>::new());
+        assert_eq!((&report["results"]["folded"], &report["results"]["unused"]), (&0.into(), &1.into()));
+    }
+    let run = bench.run("parameterize bent.obj --metric feature --w 0.5 --domain disc --params disc.ply");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(bench.read("disc.ply").starts_with(b"ply"));
+}
+
+#[test]
+fn patches_that_cannot_be_laid_out_are_refused() {
+    let bench = Bench::new();
+    bench.put("bent.obj", bent(3));
+    bench.put("tetra.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
+    bench.put("points.xyz", "0 0 0\n1 0 0\n0 1 0\n");
+    for (arguments, what) in [
+        ("tetra.obj --metric euclidean", "0 boundary curve(s)"),
+        ("points.xyz --metric euclidean", "points without triangles"),
+        ("bent.obj --metric feature", "--w LENGTH"),
+        ("bent.obj --metric feature --w -1", "w is -1"),
+        ("bent.obj --metric euclidean --corners 0,1,2,5", "vertex 5"),
+        ("bent.obj --metric euclidean --corners 0,1,2", "four vertices"),
+        ("bent.obj --metric euclidean --shape plane", "cannot be used with"),
+        ("bent.obj --metric euclidean --domain disc --corners 0,1,2,3", "no corners"),
+        ("bent.obj --w 2", "--metric"),
+    ] {
+        let run = bench.run(&format!("parameterize {arguments} --params uv.csv"));
+        assert!(run.code == 2 && run.stderr.contains(what), "{arguments}: {} {}", run.code, run.stderr);
+        assert!(!bench.path("uv.csv").exists(), "{arguments}");
+    }
+}

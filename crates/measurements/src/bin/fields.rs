@@ -178,12 +178,9 @@ fn signs() -> Result<(), Failure> {
     let projector = MeshProjector::new(&mesh)?;
     let nodes: Vec<Point3<f64>> = (0..lattice.len()).map(|node| Point3::from(lattice.point(node))).collect();
     let began = cpu();
-    let feet = projector.project_many(&nodes);
+    let values = projector
+        .map_feet(&nodes, |_, foot| foot.ok().and_then(|foot| foot.signed_distance).unwrap_or(f64::NAN));
     let exact = (cpu() - began) / lattice.len() as f64;
-    let mut values = Vec::with_capacity(lattice.len());
-    for foot in feet {
-        values.push(foot?.signed_distance.unwrap_or(f64::NAN));
-    }
     let corner = |k: u32| mesh.vertices()[k as usize].coords;
     let triangles: Vec<[Vector3<f64>; 3]> = mesh.triangles().iter().map(|t| t.map(corner)).collect();
     // The sum of solid angles, triangle by triangle.

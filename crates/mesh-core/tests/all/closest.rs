@@ -166,6 +166,28 @@ fn soup() -> impl Strategy<Value = TriangleMesh> {
         })
 }
 
+#[test]
+fn many_points_have_the_feet_of_each() {
+    // A body with large and small triangles; nodes of a grid, which share searches, and points far apart, which do not.
+    let radii: Vec<f64> = (0..26u32).map(|k| 0.4 + 0.3 * f64::from(k * 7 % 11) / 11.0).collect();
+    let body = uv_sphere(&radii);
+    let projector = MeshProjector::new(&body).unwrap();
+    let node = |k: u32| f64::from(k) * 0.11 - 1.3;
+    let mut points: Vec<Point3<f64>> =
+        (0..24 * 24 * 24).map(|k| p(node(k / 576), node(k / 24 % 24), node(k % 24))).collect();
+    let far = |k: u32| (f64::from(k) * 0.754_877_666).fract() * 200.0 - 100.0;
+    points.extend((0..3000).map(|k| p(far(k), far(3 * k + 1), far(7 * k + 2))));
+    points.push(p(f64::NAN, 0.0, 0.0));
+    let all = projector.map_feet(&points, |i, foot| (i, foot));
+    for (k, (i, foot)) in all.into_iter().enumerate() {
+        assert_eq!(k, i);
+        match (foot, projector.project(&points[i])) {
+            (Ok(one), Ok(other)) => assert_eq!(one, other, "{}", points[i]),
+            (one, other) => assert!(one.is_err() && other.is_err(), "{}", points[i]),
+        }
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 128, rng_seed: prop::test_runner::RngSeed::Fixed(9), failure_persistence: None, ..ProptestConfig::default() })]
 

@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 use sdm_register::start::{
     CoarseStart, OrientedPoints, StartMethod, StartOptions, StartStatus, coarse_start,
 };
-use sdm_register::{Error, Pose};
+use sdm_register::{Error, FeatureMatching, Pose};
 use std::ops::ControlFlow;
 
 fn model() -> OrientedPoints {
@@ -150,4 +150,34 @@ fn bad_input_is_an_error_and_cancelling_a_status() {
     let report =
         coarse_start(&model(), &model(), &StartOptions::default(), &|_, _| ControlFlow::Break(())).unwrap();
     assert_eq!(report.status, StartStatus::Cancelled);
+}
+
+#[test]
+fn matching_by_normals_finds_the_neighbourhood_of_the_pose() {
+    let model = model();
+    let truth = model.points().to_vec();
+    let few: Vec<usize> = (0..truth.len()).step_by(11).collect();
+    let points: Vec<_> = few.iter().map(|&i| truth[i]).collect();
+    let normals: Vec<_> = few.iter().map(|&i| model.normals()[i]).collect();
+    let mut random = Random(5);
+    for (width, oriented) in [(0.5, true), (0.5, false), (0.0, true)] {
+        let matching = FeatureMatching::new(&model, width, oriented).unwrap();
+        let motion = random.motion(0.4, 0.2);
+        let cloud = if oriented {
+            let x: Vec<_> = points.iter().map(|x| motion.apply(x)).collect();
+            let n: Vec<_> = normals.iter().map(|n| motion.rotate(n)).collect();
+            OrientedPoints::new(&x, &n).unwrap()
+        } else {
+            moved(&points, &normals, &motion, &mut random)
+        };
+        let found = matching.approach(&cloud, &Pose::identity()).unwrap();
+        // Samples are 0.03 apart.
+        assert!(error(&found.pose, &motion, &points) < 0.05, "w = {width}: {found:?}");
+        assert_eq!(found, matching.approach(&cloud, &Pose::identity()).unwrap());
+    }
+    assert!(matches!(FeatureMatching::new(&model, -1.0, true).unwrap_err(), Error::Option { .. }));
+    let none = OrientedPoints::default();
+    assert!(matches!(FeatureMatching::new(&none, 1.0, true).unwrap_err(), Error::TooFewPoints { .. }));
+    let matching = FeatureMatching::new(&model, 1.0, true).unwrap();
+    assert!(matches!(matching.approach(&none, &Pose::identity()).unwrap_err(), Error::TooFewPoints { .. }));
 }

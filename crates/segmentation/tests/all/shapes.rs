@@ -162,3 +162,27 @@ fn results_do_not_depend_on_the_threads() {
     };
     assert_eq!(threads(1), threads(3));
 }
+
+#[test]
+fn a_free_form_sheet_within_the_noise_of_a_torus_is_none() {
+    // A sheet that deviates from its torus by less than the noise of a point everywhere, and a piece of a torus for comparison.
+    let mut random = Random(3);
+    let sigma = 0.05;
+    let sheet = |bump: f64, random: &mut Random| -> Vec<Point3<f64>> {
+        (0..6000)
+            .map(|_| {
+                let (u, v) = (20.0 * random.next() - 10.0, 14.0 * random.next() - 7.0);
+                // A tube of radius 25 about a circle of radius 15.
+                let r = 15.0 + (25.0f64.powi(2) - v * v).sqrt();
+                let (s, c) = (u / 40.0).sin_cos();
+                let lift = bump * (0.25 * u).sin() * (0.3 * v).cos();
+                Point3::new((r + lift) * s, v, (r + lift) * c) + random.noise(sigma)
+            })
+            .collect()
+    };
+    let torus = run(&sheet(0.0, &mut random));
+    assert!(matches!(torus.regions[0].shape, Shape::Torus { .. }), "{:?}", torus.regions[0]);
+    let bumpy = run(&sheet(0.5 * sigma, &mut random));
+    assert!(matches!(bumpy.regions[0].shape, Shape::Freeform), "{:?}", bumpy.regions[0]);
+    assert!(bumpy.regions[0].support > 5500, "{bumpy}");
+}

@@ -171,6 +171,14 @@ fn on_mesh(
     let values = &distances.values[..count];
     let reached = values.iter().copied().filter(|value| value.is_finite());
     let max = reached.clone().reduce(f64::max);
+    let unreachable = count - reached.clone().count();
+    if unreachable > 0 {
+        report.warnings.push(format!(
+            "{}: no way leads to {unreachable} of {}, which are infinite",
+            job.shape.display(),
+            counted(count, "vertex")
+        ));
+    }
     let mut seconds = timings.write;
     Timings::measure(&mut seconds, || write_distances(job, &mesh, values, report))?;
     if let Some(path) = job.picture {
@@ -184,7 +192,7 @@ fn on_mesh(
         w: job.metric.width(),
         method: if method == Method::Fast { "fast" } else { "exact" },
         vertices: Some(count),
-        unreachable: Some(count - reached.count()),
+        unreachable: Some(unreachable),
         max,
         paths,
     })

@@ -1,23 +1,31 @@
 //! `indgeo parameterize`: parameters and a base surface for a cloud of which nothing is known.
 
 pub(crate) mod job;
+pub(crate) mod patch;
 pub(crate) mod summary;
 
 use self::job::Job;
+use self::patch::DomainChoice;
 use super::fit_surface::parse_pair;
 use crate::common::Common;
 use crate::error::Error;
+use crate::fits::numbers::FitVerdict;
+use crate::on_surface::MetricChoice;
+
 use crate::output::Format;
 use crate::report::{Outcome, Report};
 use clap::ValueEnum;
 use industrial_geometry::cloud_param::{DirectedWeight, FitOptions, ParameteriseOptions, Shape};
 use std::path::{Path, PathBuf};
 
-/// Find a base surface and parameters for POINTS
+/// Find a base surface and parameters for POINTS, or parameters of a patch of a mesh
 ///
 /// No boundary curves, no order and no first guess are needed. A scan all around an axis is looked at from several sides as on a
 /// turntable; closed curves in layers across the axis give a surface that follows the points, and the closest points on it give
 /// the parameters. Scans of one side and of bodies closed all around get surfaces of their own.
+///
+/// With --metric the triangles of a mesh with one boundary are laid over a square or a disc, so that none folds; in the feature sensitive
+/// metric parameter lines crowd at edges and fillets.
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = AFTER_HELP)]
 pub(crate) struct Args {
@@ -59,7 +67,37 @@ pub(crate) struct Args {
     /// Which points count when samples are drawn to the points
     #[arg(long, value_enum, default_value_t = WeightChoice::NearAxis)]
     weight: WeightChoice,
+    /// Lay the triangles of a mesh with one boundary over a domain, with lengths measured so
+    #[arg(long, value_enum, conflicts_with_all = OF_CLOUDS)]
+    metric: Option<MetricChoice>,
+    /// Width of the feature sensitive metric, a length: fillets with a smaller radius count as features
+    #[arg(long, value_name = "W", requires = "metric")]
+    w: Option<f64>,
+    /// Where the boundary of the patch goes
+    #[arg(long, value_enum, requires = "metric", default_value_t = DomainChoice::Square)]
+    domain: DomainChoice,
+    /// Vertices (from 0) of the boundary that become the corners of the square, the first (0, 0) [default: the sharpest]
+    #[arg(long, value_name = "A,B,C,D", requires = "metric", value_parser = parse_corners)]
+    corners: Option<[usize; 4]>,
+    /// Draw the patch with its parameter lines, and the mesh over the domain (SVG or PNG)
+    #[arg(long, value_name = "P.svg|P.png", requires = "metric")]
+    picture: Option<PathBuf>,
 }
+
+/// What makes a surface of a cloud, and means nothing for the triangles of a patch.
+const OF_CLOUDS: [&str; 11] = [
+    "out",
+    "format",
+    "fit",
+    "control_points",
+    "corrections",
+    "no_finish",
+    "axis",
+    "views",
+    "grid",
+    "shape",
+    "weight",
+];
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum ShapeChoice {
@@ -89,6 +127,10 @@ and crossovers, the share of the points with one closest point only, and the tim
 folds after least squares and after the finish. A finish that would fold, or come no nearer to the points, is not taken, and the
 report says so.
 
+With --metric the parameters of every vertex go to UV.csv (vertex,x,y,z,u,v; vertices from 0 in the order of the file; in the feature sensitive
+metric a vertex of a sharp edge has a row for each side of it) or UV.ply (the mesh with the scalars u and v). They are in [0, 1], the boundary
+runs around the domain with the surface on its left. Exit status 1: triangles without positive area over the domain.
+
 Exit status 0: the surfaces follow the points and have no folds; 1: one folds, the base surface lies over large holes, points are left
 out that the fitted surface (without one, the base surface) does not meet, or parts of the fitted surface are without data (files are
 written nevertheless); 2: bad input or usage, as points that do not go around the axis; 130: interrupted. The
@@ -97,7 +139,15 @@ finish is a limited number of iterations; a warning says when it would go on.
 Examples:
   indgeo parameterize scan.ply -o base.json --params uv.csv
   indgeo parameterize scan.ply -o base.json --shape cylinder --axis 0,0,1 --json report.json
-  indgeo parameterize scan.ply --fit surface.json --control-points 55x55";
+  indgeo parameterize scan.ply --fit surface.json --control-points 55x55
+  indgeo parameterize patch.ply --metric feature --w 0.5 --params uv.csv --picture lines.svg";
+
+fn parse_corners(text: &str) -> Result<[usize; 4], String> {
+    let numbers: Option<Vec<usize>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
+    numbers
+        .and_then(|numbers| <[usize; 4]>::try_from(numbers).ok())
+        .ok_or_else(|| "corners are four vertices (from 0): A,B,C,D".to_owned())
+}
 
 fn parse_direction(text: &str) -> Result<[f64; 3], String> {
     super::numbers::triple(text)
@@ -116,7 +166,7 @@ fn parse_net(text: &str) -> Result<[usize; 2], String> {
 impl Args {
     /// The files that are read, and those that are written.
     pub(crate) fn files(&self) -> (Vec<&Path>, Vec<PathBuf>) {
-        let written = [&self.out, &self.params, &self.fit];
+        let written = [&self.out, &self.params, &self.fit, &self.picture];
         (vec![&self.points], written.into_iter().flatten().cloned().collect())
     }
 
@@ -146,8 +196,36 @@ impl Args {
     }
 }
 
+/// Lays the triangles of a patch over a domain.
+fn of_patch(
+    args: &Args,
+    choice: MetricChoice,
+    common: &Common,
+    report: &mut Report,
+) -> Result<Outcome, Error> {
+    common.something_written(args.params.is_some() || args.picture.is_some(), "--params UV.csv")?;
+    if args.domain == DomainChoice::Disc && args.corners.is_some() {
+        return Err(Error::usage("a disc has no corners", "leave out --corners or --domain disc"));
+    }
+    let job = patch::Job {
+        mesh: &args.points,
+        choice,
+        metric: choice.metric(args.w)?,
+        domain: args.domain,
+        corners: args.corners,
+        out: args.params.as_deref(),
+        picture: args.picture.as_deref(),
+    };
+    let is_valid = patch::run(&job, report)?;
+    let verdict = if is_valid { FitVerdict::Good } else { FitVerdict::Defective };
+    Ok(verdict.outcome(report.summary()))
+}
+
 /// Runs the command.
 pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<Outcome, Error> {
+    if let Some(choice) = args.metric {
+        return of_patch(args, choice, common, report);
+    }
     let (_, written) = args.files();
     if written.is_empty() && common.json.is_none() {
         return Err(Error::usage(

@@ -1,6 +1,7 @@
 //! The summary of a parameterization.
 
 use super::job::ParameterResults;
+use super::patch::PatchResults;
 use crate::fits::summary::write_coverage;
 use crate::report::summary::{plain, write_end};
 use crate::report::wording::counted;
@@ -71,6 +72,25 @@ impl Results for ParameterResults {
                 )?;
             }
         }
+        write_end(text, report)
+    }
+}
+
+impl Results for PatchResults {
+    fn summarise(&self, text: &mut String, report: &Report) -> std::fmt::Result {
+        writeln!(
+            text,
+            "{} over a {} ({} metric): {}, {} without positive area",
+            counted(self.triangles, "triangle"),
+            self.domain,
+            self.metric,
+            counted(self.rows, "row"),
+            self.folded
+        )?;
+        if let Some([a, b, c, d]) = self.corners {
+            writeln!(text, "  corners   vertices {a}, {b}, {c}, {d}")?;
+        }
+        writeln!(text, "  boundary  length {}", plain(self.boundary_length))?;
         write_end(text, report)
     }
 }

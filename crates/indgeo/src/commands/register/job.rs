@@ -220,7 +220,7 @@ fn solve(
     given: Option<Vec<Pose<3>>>,
     progress: &Progress,
 ) -> Result<Solution, Error> {
-    let mut tries = Tries::new(job, model, field, cloud, sights, progress);
+    let mut tries = Tries::new(job, model, field, cloud, sights, progress)?;
     match &given {
         Some(poses) => {
             let extent = if poses.len() > 1 { Extent::Some } else { Extent::All };

@@ -1,5 +1,6 @@
 //! `indgeo register`: where a scan fits its model best.
 
+pub(crate) mod approach;
 pub(crate) mod elsewhere;
 pub(crate) mod field;
 pub(crate) mod job;
@@ -68,6 +69,13 @@ pub(crate) struct Args {
     /// What is minimised in a step
     #[arg(long, value_enum, default_value_t = MethodChoice::Adaptive)]
     method: MethodChoice,
+    /// Approach the model from each start by points matched with position and normal, the normal times this length (0: position alone)
+    ///
+    /// Finds the pose of parts with thin walls more often from starts far off, that of others hardly or not (docs/measurements.md); a tenth to a
+    /// third of the size of the model is a good length, more than it costs. Points without normals get
+    /// those of planes through neighbours, whose side does not count.
+    #[arg(long, value_name = "W", value_parser = numbers::not_negative, conflicts_with_all = ["lock", "partial"])]
+    feature_weight: Option<f64>,
     /// What is assumed about points that do not belong to the model
     #[arg(long, value_enum, default_value_t = OutlierChoice::Automatic)]
     outliers: OutlierChoice,
@@ -380,6 +388,7 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         page: args.report.as_deref().filter(|_| !args.inspect),
         start,
         options,
+        feature_weight: args.feature_weight,
         max_angle: args.max_angle.filter(|angle| *angle < 180.0).map(f64::to_radians),
         needs_normals: args.method == MethodChoice::Symmetric,
         quiet: common.quiet,

@@ -42,6 +42,8 @@ pub(crate) struct Job<'a> {
     pub(crate) start: Start<'a>,
     /// Options of the library.
     pub(crate) options: RegisterOptions<3>,
+    /// Length of unit normals with which points are matched to the model from a start, before they are registered.
+    pub(crate) feature_weight: Option<f64>,
     /// Largest angle, in radians, between the normals of points and feet that count.
     pub(crate) max_angle: Option<f64>,
     /// Whether the method makes no sense without normals of the points.

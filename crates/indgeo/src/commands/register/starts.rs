@@ -1,5 +1,6 @@
 //! The starts of a registration: tried with some of the points, ranked, and the best followed with all.
 
+use crate::commands::register::approach::Approach;
 use crate::commands::register::elsewhere::{self as elsewhere, Elsewhere, Look};
 use crate::commands::register::field::{Extent, Fit, RegistrationField};
 use crate::commands::register::model::RegistrationModel;
@@ -33,6 +34,7 @@ pub(crate) struct Tries<'a> {
     cloud: &'a Cloud<'a>,
     sights: &'a Sights,
     progress: &'a Progress,
+    approach: Option<Approach>,
     pub(crate) list: Vec<Try>,
 }
 
@@ -67,8 +69,9 @@ impl<'a> Tries<'a> {
         cloud: &'a Cloud<'a>,
         sights: &'a Sights,
         progress: &'a Progress,
-    ) -> Self {
-        Self { job, model, field, cloud, sights, progress, list: Vec::new() }
+    ) -> Result<Self, Error> {
+        let approach = Approach::of(job, model, cloud)?;
+        Ok(Self { job, model, field, cloud, sights, progress, approach, list: Vec::new() })
     }
 
     pub(crate) fn add(
@@ -85,6 +88,10 @@ impl<'a> Tries<'a> {
     fn attempt(&self, origin: &'static str, start: &Pose<3>, extent: Extent<'_>) -> Result<Try, Error> {
         let began = Instant::now();
         let Self { job, field, cloud, progress, .. } = self;
+        let given = start;
+        // A search leads near the model itself.
+        let approach = self.approach.as_ref().filter(|_| origin != "search");
+        let start = &approach.map_or(Ok(*given), |approach| approach.from(given))?;
         let some = match extent {
             Extent::All | Extent::Rest(_) => None,
             Extent::Some | Extent::Few => register(job, field, cloud, start, extent, progress)?,
@@ -101,7 +108,7 @@ impl<'a> Tries<'a> {
         let fit = field.compare(&cloud.positions, &result.pose, job.options.scale);
         let floats = self.sights.contradiction(&result.pose).is_some();
         let seconds = began.elapsed().as_secs_f64();
-        Ok(Try { origin, start: *start, result, fit, floats, seconds, is_complete })
+        Ok(Try { origin, start: *given, result, fit, floats, seconds, is_complete })
     }
 
     /// Which other positions are to be looked at after an end: none where degrees of freedom are locked.

@@ -94,6 +94,7 @@ pub(crate) fn run(
         page: None,
         start: Start::Given,
         options: RegisterOptions::default(),
+        feature_weight: None,
         max_angle: None,
         needs_normals: false,
         quiet: common.quiet,

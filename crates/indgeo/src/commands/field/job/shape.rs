@@ -289,20 +289,16 @@ impl Shape<3> for SpaceShape {
             Self::Points(_, index) => Ok(nearest(index, points)),
             Self::Mesh { projector, winding, .. } => {
                 let queries: Vec<Point3<f64>> = points.iter().copied().map(Point3::from).collect();
-                let value =
-                    |(found, x): (Result<industrial_geometry::mesh::MeshFootpoint, _>, &Vector3<f64>)| {
-                        let Ok(foot) = found else { return (f64::INFINITY, false) };
-                        match (signed, foot.signed_distance, winding) {
-                            (true, Some(distance), _) => (distance, true),
-                            (true, None, Some(winding)) => {
-                                (with_sign(foot.distance, winding.number(x) > 0.5), true)
-                            }
-                            _ => (foot.distance, true),
+                Ok(projector.map_feet(&queries, |i, found| {
+                    let Ok(foot) = found else { return (f64::INFINITY, false) };
+                    match (signed, foot.signed_distance, winding) {
+                        (true, Some(distance), _) => (distance, true),
+                        (true, None, Some(winding)) => {
+                            (with_sign(foot.distance, winding.number(&points[i]) > 0.5), true)
                         }
-                    };
-                let found: Vec<Result<_, industrial_geometry::mesh::Error>> =
-                    projector.project_many(&queries);
-                Ok(found.into_iter().zip(points).map(value).collect())
+                        _ => (foot.distance, true),
+                    }
+                }))
             }
             Self::Nurbs { projectors, .. } => {
                 let options = ProjectionOptions::default();
