@@ -133,7 +133,12 @@ impl<'a> Tries<'a> {
     }
 
     fn beside(&self, end: &RegisterReport<3>) -> Vec<Pose<3>> {
-        elsewhere::beside(&self.cloud.positions, end, self.model.is_planar())
+        let Self { cloud, field, .. } = self;
+        let mut starts = elsewhere::beside(&cloud.positions, end, self.model.is_planar());
+        if matches!(self.model, RegistrationModel::Cloud(_)) {
+            starts.retain(|start| elsewhere::lies_roughly(field, [&cloud.positions; 2], &end.pose, start));
+        }
+        starts
     }
 
     /// Registers from positions beside the best end as well, if that leaves much unexplained.
@@ -173,6 +178,16 @@ impl<'a> Tries<'a> {
         for (positions, across) in
             elsewhere::mirror_images(&cloud.positions, &end.pose, self.model.is_planar())
         {
+            if matches!(self.model, RegistrationModel::Cloud(_))
+                && !elsewhere::lies_roughly(
+                    field,
+                    [&cloud.positions, &positions],
+                    &end.pose,
+                    &Pose::identity(),
+                )
+            {
+                continue;
+            }
             let normals: Option<Vec<Vector3<f64>>> =
                 cloud.normals.map(|all| all.iter().map(|n| across * end.pose.rotate(n)).collect());
             let image = Cloud { positions, normals: normals.as_deref(), weights: cloud.weights.clone() };

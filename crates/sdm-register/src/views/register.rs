@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use nurbs_core::Aabb;
 
 use super::ViewsOptions;
-use super::chain;
+use super::chain::PairSearch;
 use super::graph::components;
 use super::matching::{Matches, Rules, find};
 use super::report::{PairReport, ViewReport, ViewsReport, ViewsStatus, ViewsStep};
@@ -24,8 +24,10 @@ const FEWEST_MATCHES: usize = 12;
 const COARSE_POINTS: usize = 400;
 const COARSE_MOTION: f64 = 2e-4;
 
-/// Motions below this share of the standard error of the mean distance are not worth another step.
+/// Motions below this share of the standard error of the mean distance are not worth another step; and number of steps below that error itself,
+/// after which the iteration goes to and fro between other matches of the same noise.
 const NEGLIGIBLE: f64 = 0.1;
+const WANDERING: usize = 10;
 
 /// Root mean square distance of two views, as a share of their size and in units of their own noise, above which their places are doubted.
 const DOUBTFUL: f64 = 0.005;
@@ -66,7 +68,7 @@ pub fn register_views(
 /// Registers views about whose poses nothing is known.
 ///
 /// All pairs are registered coarsely ([`crate::start`]); a tree of the pairs that fit best gives the initial poses for
-/// [`register_views`]. The first view keeps its frame.
+/// [`register_views`]. The first view keeps its frame. Views that fit about as well elsewhere end as [`ViewsStatus::Ambiguous`].
 ///
 /// # Errors
 /// As for [`register_views`].
@@ -75,13 +77,12 @@ pub fn register_views_from(
     options: &ViewsOptions,
     progress: Progress<'_>,
 ) -> Result<ViewsReport, Error> {
-    options.validate()?;
-    check(views)?;
-    let poses = chain::initial_poses(views, options, progress)?;
-    register_views(views, &poses, options, progress)
+    let search = PairSearch::new(views, options, progress)?;
+    let report = register_views(views, &search.poses(), options, progress)?;
+    Ok(search.judged(views, report))
 }
 
-fn check(views: &[View]) -> Result<(), Error> {
+pub(super) fn check(views: &[View]) -> Result<(), Error> {
     for (index, view) in views.iter().enumerate() {
         let name = || format!("view {index}");
         if let Some(error) = too_large(view.points()) {
@@ -161,12 +162,16 @@ impl<'a> Run<'a> {
         let all = self.options.points_per_view;
         let mut count = COARSE_POINTS.min(all);
         let mut fine = count == all;
+        let mut wandering = 0;
         for step in 0..self.options.max_iterations {
             if progress(step, self.options.max_iterations).is_break() {
                 return ViewsStatus::Cancelled;
             }
             let Some((motion, system)) = self.step(count) else { return ViewsStatus::NoOverlap };
-            if fine && motion <= self.options.tolerance.max(NEGLIGIBLE * system.standard_error()) {
+            let error = system.standard_error();
+            wandering += usize::from(fine && motion <= error);
+            let is_settled = motion <= self.options.tolerance.max(NEGLIGIBLE * error);
+            if fine && (is_settled || wandering >= WANDERING) {
                 return self.verdict(&system);
             }
             if !fine && motion <= COARSE_MOTION {
@@ -294,6 +299,7 @@ impl<'a> Run<'a> {
             let rms_after = rms(&[&there, &back]) * self.scale;
             Some(PairReport {
                 is_doubtful: is_doubtful([&given[i], &given[j]], rms_after),
+                is_ambiguous: false,
                 views: [i, j],
                 overlap: [share_of(&there), share_of(&back)],
                 count: there.list.len() + back.list.len(),
