@@ -15,7 +15,7 @@ use std::fmt;
 const NOTED: f64 = 0.002;
 /// Share of the points that count below which all positions are searched: on a model with an area, and on a cloud, which need not have
 /// much in common with the points; and the share below which positions beside the end are tried, which takes less time.
-const LEFT_OUT: f64 = 0.85;
+const LEFT_OUT: f64 = 0.97;
 const LEFT_OUT_OF_CLOUDS: f64 = 0.35;
 const LEFT_OUT_BESIDE: f64 = 0.97;
 /// The same for all positions, where the points that count leave motions free: the few others are all that could tell.

@@ -44,7 +44,7 @@ pub(crate) fn warning(result: &RegisterReport<3>, checks: &Checks, job: &Job<'_>
              its size (two standard deviations): add points far from each other"
         ));
     }
-    if result.status == Status::Underdetermined && support.doubt.is_none() {
+    if result.status == Status::Underdetermined && support.doubt != Some(Doubt::Unfixed) {
         return Some(format!(
             "{points} and {model} lie in a plane each, in which nothing fixes the motion: give a model with some depth, or a profile \
              as a NURBS curve of the plane"

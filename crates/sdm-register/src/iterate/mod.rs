@@ -2,7 +2,9 @@
 
 mod control;
 mod settle;
+mod shrinking;
 
+use self::shrinking::shrinking;
 use crate::anderson::Anderson;
 use crate::constraint::{Chart, Freedom};
 use crate::linearise::NormalSystem;
@@ -78,9 +80,9 @@ const IDLE: (f64, f64, u32) = (1e-8, 1e-6, 3);
 /// up to which a step is made on the feet that are known, if the one before was so much longer.
 const MEANINGLESS: f64 = 1e-4;
 const LAST: (f64, f64) = (0.05, 0.05);
-/// The share of the standard error that may be left after the first step of such a stage, for it to be the last one, and how much longer
-/// than it the earlier steps may be which tell how fast steps shrink: what is left adds half a percent to the uncertainty of the pose.
-const AT_ONCE: (f64, f64) = (0.1, 30.0);
+/// The share of the standard error that may be left after the first step of such a stage, for it to be the last one: it adds half a percent
+/// to the uncertainty of the pose.
+const AT_ONCE: f64 = 0.1;
 /// Motions below this share of the standard error of the mean distance mean nothing either.
 const NEGLIGIBLE: f64 = 0.02;
 /// Fewest directions that determine a motion.
@@ -180,18 +182,6 @@ struct Run<'a, const D: usize> {
     settled_cost: f64,
     evaluations: usize,
     anderson: Option<Anderson<D>>,
-}
-
-/// The largest ratio of a whole step to the one before, of steps that are as long as a motion or somewhat longer; infinite if there
-/// were none.
-fn shrinking(history: &[StepRecord], motion: f64) -> f64 {
-    let is_whole = |step: &StepRecord| step.factor == 1.0 && step.damping == 0.0;
-    let ratios = history.windows(2).filter_map(|pair| {
-        let [one, next] = pair else { return None };
-        let alike = one.stage == next.stage && one.points == next.points && is_whole(one) && is_whole(next);
-        (alike && (motion..=AT_ONCE.1 * motion).contains(&one.motion)).then(|| next.motion / one.motion)
-    });
-    ratios.reduce(f64::max).unwrap_or(f64::INFINITY)
 }
 
 /// A step that was tried.
@@ -331,7 +321,7 @@ impl<const D: usize> Run<'_, D> {
         let is_short = motion <= LAST.0 * error && motion <= LAST.1 * self.last_motion;
         // What coarse points led to is off by their standard error, which a step nearly takes away.
         let is_enough =
-            || self.last_motion.is_infinite() && motion * shrinking(history, motion) <= AT_ONCE.0 * error;
+            || self.last_motion.is_infinite() && motion * shrinking(history, motion) <= AT_ONCE * error;
         if !is_short && !is_enough() {
             return None;
         }

@@ -24,10 +24,13 @@ const FEWEST_MATCHES: usize = 12;
 const COARSE_POINTS: usize = 400;
 const COARSE_MOTION: f64 = 2e-4;
 
-/// Motions below this share of the standard error of the mean distance are not worth another step; and number of steps below that error itself,
-/// after which the iteration goes to and fro between other matches of the same noise.
+/// Motions below this share of the standard error of the mean distance are not worth another step.
 const NEGLIGIBLE: f64 = 0.1;
-const WANDERING: usize = 10;
+/// Motion, in units of that error, and number of steps no longer, after which the iteration goes to and fro between other matches of the same
+/// noise: far from the centre of what two views have in common, a pose is known to some of these units.
+const WANDERING: (f64, usize) = (10.0, 10);
+/// Share of the steps after which the coarse points have shown what they can.
+const COARSE_STEPS: f64 = 0.4;
 
 /// Root mean square distance of two views, as a share of their size and in units of their own noise, above which their places are doubted.
 const DOUBTFUL: f64 = 0.005;
@@ -169,12 +172,13 @@ impl<'a> Run<'a> {
             }
             let Some((motion, system)) = self.step(count) else { return ViewsStatus::NoOverlap };
             let error = system.standard_error();
-            wandering += usize::from(fine && motion <= error);
+            wandering += usize::from(fine && motion <= WANDERING.0 * error);
             let is_settled = motion <= self.options.tolerance.max(NEGLIGIBLE * error);
-            if fine && (is_settled || wandering >= WANDERING) {
+            if fine && (is_settled || wandering >= WANDERING.1) {
                 return self.verdict(&system);
             }
-            if !fine && motion <= COARSE_MOTION {
+            let is_long = step as f64 >= COARSE_STEPS * self.options.max_iterations as f64;
+            if !fine && (motion <= COARSE_MOTION.max(error) || is_long) {
                 (fine, count) = (true, all);
                 self.link(count);
             }
