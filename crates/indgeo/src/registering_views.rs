@@ -221,8 +221,9 @@ fn solve(
         return Ok((near, origin));
     }
     let search = search()?;
-    if is_asked {
-        return Ok((search.judged(views, near), origin));
+    let near = search.judged(views, near);
+    if is_asked || near.status == ViewsStatus::Converged && near.rms <= GOOD_RMS * size {
+        return Ok((near, origin));
     }
     let found = from(&search.poses())?;
     let (best, origin) =
