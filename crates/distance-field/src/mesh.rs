@@ -284,17 +284,17 @@ impl DistanceField<3> for MeshField {
 
     fn frames(&self, points: &[Vector3<f64>], _search: Search, hints: &[Hint]) -> Vec<PrincipalFrame<3>> {
         // Without a hint the search begins with the triangle of the query before, which often is a neighbour.
-        parallel::map_with(
-            points.len(),
-            || None,
-            |before, i| {
+        let mut frames = vec![PrincipalFrame::invalid(Status::InvalidPoint); points.len()];
+        parallel::fill_frames(&mut frames, |first, stretch| {
+            let mut before = None;
+            for (i, frame) in (first..).zip(stretch) {
                 let hinted = hints.get(i).and_then(|hint| hint.element_below(self.triangles.len()));
                 let known = hinted.map_or(0.0, |_| known_slack(&hints[i]));
-                let frame = self.frame_from(&points[i], hinted.or(*before), known, self.wanted_slack);
-                *before = frame.hint.element_below(self.triangles.len());
-                frame
-            },
-        )
+                *frame = self.frame_from(&points[i], hinted.or(before), known, self.wanted_slack);
+                before = frame.hint.element_below(self.triangles.len());
+            }
+        });
+        frames
     }
 
     fn bounding_box(&self) -> Aabb<3> {

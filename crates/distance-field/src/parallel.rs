@@ -10,6 +10,12 @@ pub(crate) fn map<T: Send>(count: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T
     lanes::map(count, CHUNK, f)
 }
 
+/// Fills a list by stretches, in parallel; `f` is told the index of the first of each. Answers are written where they stay: joined from
+/// parts, long lists would take twice the memory.
+pub(crate) fn fill_frames<T: Send>(out: &mut [T], f: impl Fn(usize, &mut [T]) + Sync) {
+    fill(out, CHUNK, f);
+}
+
 /// The same where `f` may leave something in a scratch memory that saves the next one time, but does not change its result.
 pub(crate) fn map_with<S: Send, T: Send>(
     count: usize,

@@ -14,6 +14,9 @@ use crate::view::Terms;
 use crate::{Covariance, FreeMotion, Locks, Method, Velocity};
 use nalgebra::DMatrix;
 
+/// Share of growth in a motion below which it has none.
+const GROWTH: f64 = 1e-6;
+
 /// What the tangent planes at the end of a stage fix.
 struct Conditioning<const D: usize> {
     system: NormalSystem<D>,
@@ -79,6 +82,16 @@ impl<const D: usize> Job<'_, D> {
         let scaled = Scaled::new(&tangent, &free.is_translation, length, self.options.null_tolerance);
         let step = scaled.step(&scaled.spectrum(&tangent, &vector), 0.0);
         Some((1.0 + vector.dot(&step) / system.squares).clamp(0.0, 1.0))
+    }
+
+    /// Whether the scale is not determined at the end of a stage, as by points of a plane.
+    pub(crate) fn leaves_scale_free(&self, outcome: &Outcome<D>, cloud: &Prepared<D>) -> bool {
+        let size = outcome.view.size(cloud) * outcome.view.unit();
+        let grows = |v: &Velocity<D>| {
+            let others = v.rotation.norm() + v.translation.norm() / size;
+            v.growth.abs() > GROWTH * (v.growth.abs() + others)
+        };
+        self.free_fields(outcome, cloud).0.iter().any(grows)
     }
 
     /// The velocity fields of the motions that are not determined at the end of a stage, and the share of the largest eigenvalue up to

@@ -10,7 +10,7 @@ pub(crate) const SAMPLE: usize = 1500;
 /// Neighbours of each per dimension.
 const NEIGHBOURS: usize = 4;
 /// Squared thickness of a neighbourhood over its squared width up to which it has a normal.
-const FLAT: f64 = 0.1;
+pub(crate) const FLAT: f64 = 0.1;
 
 /// How far points deviate from planes through their neighbours, the median; `None` of too few points.
 pub(crate) fn plane_deviation<const D: usize>(points: &[SVector<f64, D>]) -> Option<f64> {

@@ -6,7 +6,7 @@ use crate::slide_back::slide_back;
 use crate::source::Prepared;
 use crate::view::View;
 use crate::weights::{Kernel, Outliers, Rejection, Rule, Weighting};
-use crate::{Method, Pose, Status};
+use crate::{Method, Pose, RegisterStep, Status};
 use distance_field::Spread;
 use std::rc::Rc;
 
@@ -20,6 +20,8 @@ const NARROWING_STEPS: usize = 6;
 const HARDLY_FIXED: f64 = 1e-5;
 /// By what share the cloud may fit worse there, with fewer points.
 const NO_WORSE: f64 = 0.1;
+/// Fewest points for which it pays to sort them by their feet: many of them need one step alone.
+const SORTED: usize = 300_000;
 /// Most repetitions of the last stage with another set of inliers, and the share of the points up to which it is the same.
 const REPETITIONS: usize = 3;
 const SAME_SET: f64 = 2e-3;
@@ -64,6 +66,10 @@ pub(crate) struct Plan<'a, const D: usize> {
     last: Last,
     pub(crate) history: History,
     pub(crate) evaluations: usize,
+    /// Whether the cloud is a part of the points, by which a start is judged.
+    is_part: bool,
+    /// Whether the limit is narrowed in the first two ways alone.
+    is_quick: bool,
 }
 
 impl<'a, const D: usize> Plan<'a, D> {
@@ -82,12 +88,19 @@ impl<'a, const D: usize> Plan<'a, D> {
             last,
             history: History::new(),
             evaluations: 0,
+            is_part: false,
+            is_quick: false,
         }
     }
 
-    /// The points of the stages that only have to come near.
-    pub(crate) fn coarse(&self) -> &Prepared<D> {
-        &self.coarse
+    /// The same for a first look: of the ways to narrow the limit the first two.
+    pub(crate) fn quick(self) -> Self {
+        Self { is_part: true, is_quick: true, ..self }
+    }
+
+    /// The same after earlier steps, for all points or a part of them.
+    pub(crate) fn after(self, steps: &[RegisterStep], is_part: bool) -> Self {
+        Self { history: steps.to_vec(), is_part, ..self }
     }
 
     /// The points of a view: a run that was cancelled ends with the coarse ones.
@@ -162,7 +175,7 @@ impl<'a, const D: usize> Plan<'a, D> {
             rejection: options.rejection,
             holds_rejection: false,
             null_tolerance: self.null_tolerance,
-            is_long: false,
+            is_long: self.is_part,
             moving: 0.0,
             tolerance: options.tolerance,
             max_iterations: options.max_iterations,
@@ -178,7 +191,8 @@ impl<'a, const D: usize> Plan<'a, D> {
     /// The stage that fits all points by one rule.
     fn fit_all(&mut self, view: View<D>, rule: Rule) -> Outcome<D> {
         let cloud = Rc::clone(&self.cloud);
-        self.go(&Stage { is_long: self.is_thinned(), ..self.stage("fit", &cloud, rule) }, view)
+        let is_long = self.is_thinned() || self.is_part;
+        self.go(&Stage { is_long, ..self.stage("fit", &cloud, rule) }, view)
     }
 
     /// From the coarse points to all of them.
@@ -188,6 +202,9 @@ impl<'a, const D: usize> Plan<'a, D> {
         }
         self.evaluations += 1;
         let view = self.job.view(&self.cloud, outcome.view.pose);
+        if self.cloud.points.len() < SORTED {
+            return view;
+        }
         let Some(order) = view.order_of_feet() else { return view };
         // From now on all points are looked at again and again: so what is kept of the shape is read from one end to the other.
         self.cloud = Rc::new(self.cloud.picked(&order));
@@ -260,7 +277,8 @@ impl<'a, const D: usize> Plan<'a, D> {
         let ways = [(Some(start), 2, false), (plain, 0, false), (plain, 2, false), (Some(start), 0, true)];
         let ways = ways
             .into_iter()
-            .filter_map(|(from, boundary_from, facing)| Some((from?, Way { boundary_from, facing })));
+            .filter_map(|(from, boundary_from, facing)| Some((from?, Way { boundary_from, facing })))
+            .take(if self.is_quick { 1 } else { usize::MAX });
         for (from, way) in ways {
             if best.status == Status::Cancelled || support.is_enough() {
                 break;
@@ -352,7 +370,7 @@ impl<'a, const D: usize> Plan<'a, D> {
         let mut repetition = 0;
         loop {
             let rule = Rule::Fixed(Weighting::Cut { limit: distance });
-            let is_long = self.is_thinned();
+            let is_long = self.is_thinned() || self.is_part;
             let stage =
                 Stage { rejection, holds_rejection: true, is_long, ..self.stage("inliers", &cloud, rule) };
             let outcome = self.job.run(&stage, view, &mut self.history);

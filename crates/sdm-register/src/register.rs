@@ -14,6 +14,8 @@ use std::ops::ControlFlow;
 /// Share of the points, and their root mean square distance as a share of their size, that leave no doubt about a scale.
 const SURE_SHARE: f64 = 0.9;
 const SURE_RMS: f64 = 1e-3;
+/// Points by which sizes are compared, at least: of points that fit at none, each size takes long.
+const SCALING: usize = 400;
 /// Most points whose distances in the starting pose are computed: far from the shape each takes long, and no decision depends on them.
 const ELSEWHERE: usize = 1000;
 
@@ -50,7 +52,8 @@ pub fn register_with_progress<const D: usize>(
     progress: Progress<'_>,
 ) -> Result<RegisterReport<D>, Error> {
     let cloud = prepared(source, start, options)?;
-    run(field, cloud, [start, start], options, progress, source.points.len())
+    let task = Task { start, begin: start, before: &[], is_part: false, points: source.points.len() };
+    run(field, cloud, &task, options, progress)
 }
 
 /// [`register_with_progress`] of all points after [`register_some`]: the iteration goes on at the end of that, and its steps count.
@@ -70,13 +73,10 @@ pub fn register_rest<const D: usize>(
         return register_with_progress(field, source, start, options, progress);
     }
     let cloud = prepared(source, start, options)?;
-    let rest = run(field, cloud, [start, &some.pose], options, progress, source.points.len())?;
-    Ok(RegisterReport {
-        iterations: some.iterations + rest.iterations,
-        evaluations: some.evaluations + rest.evaluations,
-        history: some.history.iter().chain(&rest.history).copied().collect(),
-        ..rest
-    })
+    let points = source.points.len();
+    let task = Task { start, begin: &some.pose, before: &some.history, is_part: false, points };
+    let rest = run(field, cloud, &task, options, progress)?;
+    Ok(RegisterReport { evaluations: some.evaluations + rest.evaluations, ..rest })
 }
 
 /// [`register_with_progress`] with some of the points alone, evenly picked: those with which the registration of all begins. `None`
@@ -95,8 +95,8 @@ pub fn register_some<const D: usize>(
 ) -> Result<Option<RegisterReport<D>>, Error> {
     let cloud = prepared(source, start, options)?;
     let Some(some) = cloud.coarse(options.coarse_points) else { return Ok(None) };
-    let count = some.points.len();
-    run(field, some, [start, start], options, progress, count).map(Some)
+    let task = Task { start, begin: start, before: &[], is_part: true, points: some.points.len() };
+    run(field, some, &task, options, progress).map(Some)
 }
 
 /// The points that take part, of valid input.
@@ -110,22 +110,33 @@ fn prepared<const D: usize>(
     if start.is_finite() { Ok(cloud) } else { Err(Error::NotAMotion { deviation: f64::NAN }) }
 }
 
-/// Registers from a start; the iteration begins at the second pose, which is the start, or where some of the points led from there.
+/// From where a registration goes on.
+struct Task<'a, const D: usize> {
+    start: &'a Pose<D>,
+    /// Where the iteration begins: the start, or where some of the points led from there.
+    begin: &'a Pose<D>,
+    /// The steps of those.
+    before: &'a [RegisterStep],
+    /// Whether the points are those some.
+    is_part: bool,
+    /// Number of points that were given.
+    points: usize,
+}
+
 fn run<const D: usize>(
     field: &dyn DistanceField<D>,
     cloud: Prepared<D>,
-    [start, begin]: [&Pose<D>; 2],
+    task: &Task<'_, D>,
     options: &RegisterOptions<D>,
     progress: Progress<'_>,
-    points: usize,
 ) -> Result<RegisterReport<D>, Error> {
-    let is_begun = start != begin;
-    let [start, begin] = [start, begin].map(|pose| pose.with_source_origin(cloud.centre));
+    let is_begun = task.start != task.begin;
+    let [start, begin] = [task.start, task.begin].map(|pose| pose.with_source_origin(cloud.centre));
     let (dropped, taking_part) = (cloud.dropped, cloud.points.len());
     let chart = Chart::new(options.locks, options.scale, start);
     let job = Job { field, chart: &chart, options, progress };
     let from = if options.scale && !is_begun { best_scale(&job, &cloud, &start) } else { begin };
-    let mut plan = Plan::new(&job, cloud);
+    let mut plan = Plan::new(&job, cloud).after(task.before, task.is_part);
     let view = plan.first_view(from);
     if view.frames.iter().all(|frame| !frame.is_finite()) {
         return Err(Error::EmptyModel { points: taking_part });
@@ -135,7 +146,10 @@ fn run<const D: usize>(
     let unit = outcome.view.unit();
     let (rms, used) = outcome.view.rms(&outcome.base, &outcome.weighting);
     let (covariance, free_motions) = job.analyse(&outcome, seen, rms);
-    let support = job.support(&outcome, seen, rms, !free_motions.is_empty());
+    let mut support = job.support(&outcome, seen, rms, !free_motions.is_empty());
+    if options.scale && support.doubt.is_none() && job.leaves_scale_free(&outcome, seen) {
+        support.doubt = Some(Doubt::Unfixed);
+    }
     let doubt = support.doubt.filter(|_| outcome.status.is_converged());
     let initial_rms = rms_elsewhere(&job, seen, &outcome, start);
     Ok(RegisterReport {
@@ -148,7 +162,7 @@ fn run<const D: usize>(
         initial_rms,
         iterations: plan.history.len(),
         evaluations: plan.evaluations,
-        points,
+        points: task.points,
         dropped,
         used,
         limit: outcome.weighting.scale().map(|limit| limit * unit),
@@ -185,12 +199,12 @@ fn rms_elsewhere<const D: usize>(
     if sums.1 > 0.0 { (sums.0 / sums.1).sqrt() } else { 0.0 }
 }
 
-/// Where to start with an unknown scale: the end of the best of registrations of some of the points from several sizes.
+/// Where to start with an unknown scale: the end of the best of quick registrations of few of the points from several sizes.
 fn best_scale<const D: usize>(job: &Job<'_, D>, cloud: &Prepared<D>, start: &Pose<D>) -> Pose<D> {
-    let few = Plan::new(job, cloud.clone()).coarse().clone();
+    let few = cloud.coarse(SCALING).unwrap_or_else(|| cloud.clone());
     let mut best: Option<(f64, Pose<D>)> = None;
     for pose in scale_start::poses(&job.field.bounding_box(), cloud, start) {
-        let mut plan = Plan::new(job, few.clone());
+        let mut plan = Plan::new(job, few.clone()).quick();
         let view = plan.first_view(job.chart.held(&pose));
         let outcome = plan.run(view);
         if outcome.status == Status::Cancelled {
@@ -206,7 +220,8 @@ fn best_scale<const D: usize>(job: &Job<'_, D>, cloud: &Prepared<D>, start: &Pos
             best = Some((nearness.cost, outcome.view.pose));
         }
         let is_good = used as f64 >= SURE_SHARE * few.points.len() as f64 && support.relative_rms < SURE_RMS;
-        if is_good && outcome.status.is_converged() {
+        // A plane fits at any scale.
+        if is_good && outcome.status.is_converged() && !job.leaves_scale_free(&outcome, &few) {
             break;
         }
     }

@@ -37,6 +37,9 @@ const ALONG: f64 = 0.5;
 const DISAGREEING: f64 = 3.0;
 /// Median angle between the normals of the points and of the model above which they do not agree, radians.
 const ANGLE: f64 = 0.06;
+/// Root mean square distance of a cloud on a cloud that is too much where it exceeds the noise and normals disagree: what a part that was
+/// made badly differs from its construction by is no reason between two scans of it.
+const LARGE_OF_CLOUDS: f64 = 0.002;
 /// Share of the squared distances that would go if the locked motions were free.
 const RELEASED: f64 = 0.5;
 /// Sizes of the points over that of the model between which a scale is one.
@@ -65,6 +68,11 @@ pub enum Doubt {
     Elsewhere,
     /// The mirror image of the points fits distinctly better: a part of the other hand, or axes that are left-handed.
     Mirrored,
+    /// The model is a cloud that shows no surface: see [`shows_a_surface`](crate::shows_a_surface).
+    Unresolved,
+    /// The points that count leave motions free, and many others were left out, which might fix them: status
+    /// [`Status::Underdetermined`].
+    Unfixed,
 }
 
 impl Doubt {
@@ -74,13 +82,15 @@ impl Doubt {
         match self {
             Self::FewPoints => Status::NoOverlap,
             Self::Collapsed => Status::Diverged,
+            Self::Unfixed => Status::Underdetermined,
             Self::NoSeparation
             | Self::LargeDistances
             | Self::Locks
             | Self::Bare
             | Self::FreeSpace
             | Self::Elsewhere
-            | Self::Mirrored => Status::Doubtful,
+            | Self::Mirrored
+            | Self::Unresolved => Status::Doubtful,
         }
     }
 
@@ -97,6 +107,8 @@ impl Doubt {
             Self::FreeSpace => "free_space",
             Self::Elsewhere => "elsewhere",
             Self::Mirrored => "mirrored",
+            Self::Unresolved => "unresolved",
+            Self::Unfixed => "unfixed",
         }
     }
 }
@@ -208,6 +220,14 @@ impl Support {
         }
         let disagree = self.normal_angle.is_none_or(|angle| angle > ANGLE);
         (self.relative_rms > LARGE[left_out.min(2)] && disagree).then_some(Doubt::LargeDistances)
+    }
+
+    /// Whether the distances are too large for those of one scan on another: much larger than the noise of the points, whose normals
+    /// disagree with those of the other scan.
+    #[must_use]
+    pub fn is_large_for_scans(&self) -> bool {
+        let disagree = self.normal_angle.is_none_or(|angle| angle > ANGLE);
+        self.exceeds_noise() && self.relative_rms > LARGE_OF_CLOUDS && disagree
     }
 
     /// Whether the distances are much larger than the noise that the points show among themselves.

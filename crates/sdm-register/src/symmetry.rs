@@ -47,6 +47,10 @@ pub fn symmetries_and_near(
         return (vec![identity], Vec::new());
     };
     let rough = roughly(samples, &bounds.centre(), bounds.diagonal());
+    if rough.len() < 2 {
+        // Most shapes do not lie on themselves in any other position.
+        return (vec![identity], Vec::new());
+    }
     let group = exact(field, samples, abs_tolerance, &rough);
     // Of bodies of revolution there would be no end.
     let Some(group) = group else { return (vec![identity], Vec::new()) };

@@ -93,6 +93,19 @@ impl<const D: usize> View<D> {
         out
     }
 
+    /// Moves the cloud by a step so short that no foot is looked for: the distances change as those from the tangent planes.
+    pub(crate) fn slide(&mut self, cloud: &Prepared<D>, pose: Pose<D>) {
+        let [linear, before] = [&pose, &self.pose].map(|pose| pose.rotation * pose.scale);
+        let shift = pose.target_origin - self.pose.target_origin;
+        for (frame, y) in self.frames.iter_mut().zip(&cloud.points) {
+            let step = linear * y - before * y + shift;
+            frame.distance += frame.normal().dot(&step);
+            // What is known of other feet was for where the point was.
+            frame.hint.slack = 0.0;
+        }
+        self.pose = pose;
+    }
+
     /// Finds the feet that were left out; whether there were any.
     pub(crate) fn complete(&mut self, field: &dyn DistanceField<D>, cloud: &Prepared<D>) -> bool {
         let wanted: Vec<usize> = (0..self.since.len()).filter(|&i| self.since[i] > 0.0).collect();

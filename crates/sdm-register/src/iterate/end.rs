@@ -1,6 +1,7 @@
 //! When a stage has converged: nothing moves, or what moves makes no difference.
 
 use super::problem::Moved;
+use super::shrinking::shrinking;
 use super::{Models, NEGLIGIBLE, ROUNDING, Run};
 use crate::Method;
 use nalgebra::DVector;
@@ -20,6 +21,9 @@ const IDLE: (f64, f64, u32) = (1e-8, 1e-6, 3);
 /// up to which a step is made on the feet that are known, if the one before was so much longer.
 const MEANINGLESS: f64 = 1e-4;
 const LAST: (f64, f64) = (0.05, 0.05);
+/// The share of the standard error that may be left after the first step of such a stage, for it to be the last one: it adds half a percent
+/// to the uncertainty of the pose.
+const AT_ONCE: f64 = 0.1;
 
 impl<const D: usize> Run<'_, D> {
     /// Whether what is left after a full step is below the tolerance, if the motions go on shrinking at this rate. A damped step says
@@ -66,6 +70,13 @@ impl<const D: usize> Run<'_, D> {
     /// Whether a step of a long stage is so short that neither feet nor distances change by it.
     pub(super) fn is_last(&self, motion: f64, (rms, points): (f64, usize)) -> bool {
         motion <= LAST.0 * self.standard_error(rms, points) && motion <= LAST.1 * self.last_motion
+    }
+
+    /// Whether the first step of a long stage is enough: what coarse points led to is off by their standard error, which a step nearly
+    /// takes away.
+    pub(super) fn is_enough(&self, motion: f64, (rms, points): (f64, usize)) -> bool {
+        self.last_motion.is_infinite()
+            && motion * shrinking(self.history, motion) <= AT_ONCE * self.standard_error(rms, points)
     }
 
     /// The standard error of a mean distance as a share of the size of the cloud: about what the noise lets a pose mean.

@@ -3,6 +3,7 @@
 mod end;
 mod problem;
 mod settle;
+mod shrinking;
 
 use crate::anderson::Anderson;
 use crate::constraint::{Chart, Freedom};

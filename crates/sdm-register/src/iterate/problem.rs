@@ -241,10 +241,17 @@ impl<const D: usize> Run<'_, D> {
         let step = models.scaled.step(newton.map_or(&models.linear, |n| &n.1), 0.0);
         let motion = self.motion(models, &step);
         let (rms, points) = self.view.rms(&self.base, &self.weighting);
-        if !self.is_last(motion, (rms, points)) {
+        let is_short = self.is_last(motion, (rms, points));
+        if !is_short && !self.is_enough(motion, (rms, points)) {
             return None;
         }
-        self.view.pose = self.job.chart.advance(&self.view.pose, &models.freedom, &step);
+        let pose = self.job.chart.advance(&self.view.pose, &models.freedom, &step);
+        if is_short {
+            self.view.pose = pose;
+        } else {
+            self.view.slide(self.stage.cloud, pose);
+        }
+        let (rms, points) = self.view.rms(&self.base, &self.weighting);
         let angle = models.freedom.velocity(&step).angle();
         let name = self.name(newton.is_some());
         let record = RegisterStep { angle, ..self.record(name, motion, (rms, points), self.evaluations) };

@@ -15,6 +15,7 @@ mod surface;
 mod system;
 mod view;
 
+pub use chain::{PairSearch, have_much_in_common};
 pub use options::ViewsOptions;
 pub use register::{register_views, register_views_from};
 pub use report::{PairReport, ViewReport, ViewsReport, ViewsStatus, ViewsStep};

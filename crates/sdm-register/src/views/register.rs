@@ -9,7 +9,7 @@ use sdm_core::{
 use std::convert::Infallible;
 
 use super::ViewsOptions;
-use super::chain;
+use super::chain::PairSearch;
 use super::graph::components;
 use super::matching::{Matches, Rules, find};
 use super::report::{PairReport, ViewReport, ViewsReport, ViewsStatus, ViewsStep};
@@ -30,6 +30,11 @@ const COARSE_MOTION: f64 = 2e-4;
 
 /// Motions below this share of the standard error of the mean distance are not worth another step.
 const NEGLIGIBLE: f64 = 0.1;
+/// Motion, in units of that error, and number of steps no longer, after which the iteration goes to and fro between other matches of the same
+/// noise: far from the centre of what two views have in common, a pose is known to some of these units.
+const WANDERING: (f64, usize) = (10.0, 10);
+/// Share of the steps after which the coarse points have shown what they can.
+const COARSE_STEPS: f64 = 0.4;
 
 /// Root mean square distance of two views, as a share of their size and in units of their own noise, above which their places are doubted.
 const DOUBTFUL: f64 = 0.005;
@@ -70,7 +75,7 @@ pub fn register_views(
 /// Registers views about whose poses nothing is known.
 ///
 /// All pairs are registered coarsely ([`crate::start`]); a tree of the pairs that fit best gives the initial poses for
-/// [`register_views`]. The first view keeps its frame.
+/// [`register_views`]. The first view keeps its frame. Views that fit about as well elsewhere end as [`ViewsStatus::Ambiguous`].
 ///
 /// # Errors
 /// As for [`register_views`].
@@ -79,13 +84,12 @@ pub fn register_views_from(
     options: &ViewsOptions,
     progress: Progress<'_>,
 ) -> Result<ViewsReport, Error> {
-    options.validate()?;
-    check(views)?;
-    let poses = chain::initial_poses(views, options, progress)?;
-    register_views(views, &poses, options, progress)
+    let search = PairSearch::new(views, options, progress)?;
+    let report = register_views(views, &search.poses(), options, progress)?;
+    Ok(search.judged(views, report))
 }
 
-fn check(views: &[View]) -> Result<(), Error> {
+pub(super) fn check(views: &[View]) -> Result<(), Error> {
     for (index, view) in views.iter().enumerate() {
         let name = || format!("view {index}");
         if let Some(error) = too_large(view.points()) {
@@ -164,7 +168,7 @@ impl<'a> Run<'a> {
         }
         let count = COARSE_POINTS.min(self.options.points_per_view);
         let limit = self.options.max_iterations;
-        let mut steps = Steps { run: self, progress, count, last: None };
+        let mut steps = Steps { run: self, progress, count, wandering: 0, last: None };
         let Ok(status) =
             minimise(&mut steps, &mut Controller::new(StepControl::None, StepLimits::default()), limit);
         match (status, steps.last) {
@@ -266,6 +270,7 @@ impl<'a> Run<'a> {
             let rms_after = rms(&[&there, &back]) * self.scale;
             Some(PairReport {
                 is_doubtful: is_doubtful([&given[i], &given[j]], rms_after),
+                is_ambiguous: false,
                 views: [i, j],
                 overlap: [share_of(&there), share_of(&back)],
                 count: there.list.len() + back.list.len(),
@@ -293,6 +298,8 @@ struct Steps<'r, 'a> {
     progress: Progress<'r>,
     /// Points per view.
     count: usize,
+    /// Steps no longer than noise makes them.
+    wandering: usize,
     /// The system of the last step.
     last: Option<System>,
 }
@@ -377,12 +384,15 @@ impl Problem for Steps<'_, '_> {
         // Later matches may be no farther than now: with a margin, since other points are matched after a motion.
         run.limit = run.limit.min((2.0 * limit).max(LEAST_LIMIT)).max(2.0 * trial.motion);
         let fine = self.count == all;
-        let enough = run.options.tolerance.max(NEGLIGIBLE * system.standard_error());
-        if fine && trial.motion <= enough {
+        let error = system.standard_error();
+        self.wandering += usize::from(fine && trial.motion <= WANDERING.0 * error);
+        let is_settled = trial.motion <= run.options.tolerance.max(NEGLIGIBLE * error);
+        if fine && (is_settled || self.wandering >= WANDERING.1) {
             self.last = Some(system);
             return Err(Stop::Ended(Status::Converged));
         }
-        if !fine && trial.motion <= COARSE_MOTION {
+        let is_long = run.history.len() as f64 > COARSE_STEPS * run.options.max_iterations as f64;
+        if !fine && (trial.motion <= COARSE_MOTION.max(error) || is_long) {
             self.count = all;
             run.link(all);
         }

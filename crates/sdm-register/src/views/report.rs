@@ -24,6 +24,9 @@ pub enum ViewsStatus {
     /// The iteration converged, but some views that overlap are much farther apart than their own noise:
     /// [`PairReport::is_doubtful`] says which.
     Doubtful,
+    /// The iteration converged, but some views lie on others about as well in another place, or fit others best there:
+    /// [`PairReport::is_ambiguous`] says which.
+    Ambiguous,
     /// The limit on iterations was reached first.
     MaxIterations,
     /// The caller cancelled; the poses are those reached so far.
@@ -46,6 +49,7 @@ impl ViewsStatus {
             Self::NoOverlap => "no_overlap",
             Self::Underdetermined => "underdetermined",
             Self::Doubtful => "doubtful",
+            Self::Ambiguous => "ambiguous",
             Self::MaxIterations => "max_iterations",
             Self::Cancelled => "cancelled",
         }
@@ -92,6 +96,9 @@ pub struct PairReport {
     /// their own points: where the two lie on each other wrongly, or show parts of another shape.
     #[cfg_attr(feature = "serde", serde(rename = "doubtful"))]
     pub is_doubtful: bool,
+    /// Whether the two are linked by places alone that no search confirmed as the only ones ([`PairSearch`](super::PairSearch)).
+    #[cfg_attr(feature = "serde", serde(rename = "ambiguous"))]
+    pub is_ambiguous: bool,
 }
 
 /// One step of all views.

@@ -4,7 +4,7 @@
 //! distances may be no larger than those of a part that was made badly. What tells the two apart is that the badly made part fits
 //! nowhere better.
 
-use crate::commands::register::field::Fit;
+use crate::commands::register::field::{Fit, RegistrationField};
 use industrial_geometry::mesh::nalgebra::{Matrix3, SymmetricEigen, Vector3};
 use industrial_geometry::register::{Pose, RegisterReport, rotation};
 use std::f64::consts::PI;
@@ -15,9 +15,16 @@ use std::fmt;
 const NOTED: f64 = 0.002;
 /// Share of the points that count below which all positions are searched: on a model with an area, and on a cloud, which need not have
 /// much in common with the points; and the share below which positions beside the end are tried, which takes less time.
-const LEFT_OUT: f64 = 0.85;
+const LEFT_OUT: f64 = 0.97;
 const LEFT_OUT_OF_CLOUDS: f64 = 0.35;
 const LEFT_OUT_BESIDE: f64 = 0.97;
+/// The same for all positions, where the points that count leave motions free: the few others are all that could tell.
+const LEFT_OUT_IF_FREE: f64 = 0.997;
+/// Limit of the distances, as a share of the size of the model, and share of the points within, over that at the end, from which half a
+/// turn of a cloud is worth a registration; and points that are looked at.
+const ROUGHLY: f64 = 0.03;
+const MOST: f64 = 0.8;
+const LOOKED_AT: usize = 300;
 /// Score of a position over that of the end below which it is distinctly better: the root mean square distance is seven tenths then.
 /// An end that is not where the start leads, but where the model nearly lies on itself, has to be the best one.
 const DISTINCTLY: f64 = 0.5;
@@ -82,12 +89,15 @@ impl Look {
     /// Where to look, by what an end leaves unexplained.
     pub(crate) fn after(result: &RegisterReport<3>, is_on_cloud: bool) -> Self {
         let support = &result.support;
-        let [all, beside] = if is_on_cloud { [LEFT_OUT_OF_CLOUDS; 2] } else { [LEFT_OUT, LEFT_OUT_BESIDE] };
+        let all = match (is_on_cloud, result.free_motions.is_empty()) {
+            (true, true) => LEFT_OUT_OF_CLOUDS,
+            (true, false) => LEFT_OUT_BESIDE,
+            (false, true) => LEFT_OUT,
+            (false, false) => LEFT_OUT_IF_FREE,
+        };
         if support.exceeds_noise() && support.relative_rms > NOTED || support.share < all {
             Self::Everywhere
-        } else if support.own_noise.is_some_and(|noise| support.relative_rms > UNEXPLAINED * noise)
-            || support.share < beside
-        {
+        } else if is_unexplained(result) || support.share < LEFT_OUT_BESIDE {
             Self::Beside
         } else {
             Self::Nowhere
@@ -97,11 +107,29 @@ impl Look {
 
 /// Whether one fit is distinctly better than another one, or, if `at_all`, better.
 pub(crate) fn is_better(fit: &Fit, than: &Fit, by_overlap: bool, at_all: bool) -> bool {
+    let is_closer = fit.score < if at_all { AT_ALL } else { DISTINCTLY } * than.score - SAME;
     if by_overlap {
-        fit.overlap > MORE * than.overlap
+        fit.overlap > MORE * than.overlap || is_closer && fit.overlap > than.overlap
     } else {
-        fit.score < if at_all { AT_ALL } else { DISTINCTLY } * than.score - SAME
+        is_closer
     }
+}
+
+/// Whether a position of points, or of their image, is worth a registration: about as many of them lie roughly on the model as at the end.
+pub(crate) fn lies_roughly(
+    field: &RegistrationField,
+    [points, image]: [&[Vector3<f64>]; 2],
+    end: &Pose<3>,
+    there: &Pose<3>,
+) -> bool {
+    let near = |points: &[Vector3<f64>], pose: &Pose<3>| {
+        let step = points.len().div_ceil(LOOKED_AT).max(1);
+        let some = points.iter().step_by(step).filter(|x| x.iter().all(|c| c.is_finite()));
+        let moved: Vec<Vector3<f64>> = some.map(|x| pose.apply(x)).collect();
+        let limit = ROUGHLY * field.diagonal();
+        field.distances(&moved).iter().filter(|distance| **distance < limit).count() as f64
+    };
+    near(image, there) >= MOST * near(points, end)
 }
 
 /// Whether two positions lay about as many points on the model, but other ones: the cloud holds the part twice.
@@ -115,9 +143,13 @@ pub(crate) fn is_another_copy(here: &[bool], there: &[bool]) -> bool {
 /// Whether an end leaves so much unexplained that the mirror image of the points is to be tried: a part of the other hand fits in most
 /// places, and where it does not its points are left out.
 pub(crate) fn may_be_mirrored(result: &RegisterReport<3>) -> bool {
+    is_unexplained(result) || result.support.share < LEFT_OUT_BESIDE
+}
+
+/// Whether the distances are more than the noise that the points show among themselves.
+fn is_unexplained(result: &RegisterReport<3>) -> bool {
     let support = &result.support;
-    let is_unexplained = support.own_noise.is_some_and(|noise| support.relative_rms > UNEXPLAINED * noise);
-    is_unexplained || support.share < LEFT_OUT_BESIDE
+    support.own_noise.is_some_and(|noise| support.relative_rms > UNEXPLAINED * noise)
 }
 
 /// Moved points, their centre and their principal axes, the thinnest one first; in the plane its axes.
@@ -150,7 +182,7 @@ impl Axes {
 }
 
 /// Positions beside an end: the points turned by half a turn about their principal axes, where parts that are flat, or long, come to lie as
-/// well, and shifted along the thinnest one to either side, by a multiple of their root mean square distance.
+/// well, and shifted along the thinnest one to either side, by a multiple of their root mean square distance, where that is more than noise.
 pub(crate) fn beside(points: &[Vector3<f64>], end: &RegisterReport<3>, is_planar: bool) -> Vec<Pose<3>> {
     let pose = &end.pose;
     let Some(Axes { centre, axes, .. }) = Axes::of(points, pose, is_planar) else { return Vec::new() };
@@ -163,7 +195,8 @@ pub(crate) fn beside(points: &[Vector3<f64>], end: &RegisterReport<3>, is_planar
     }
     let shifted =
         |side: f64| Pose { target_origin: pose.target_origin + axes[0] * (side * BESIDE * end.rms), ..*pose };
-    [shifted(1.0), shifted(-1.0)].into_iter().chain(axes.iter().map(turned)).collect()
+    let sides = if is_unexplained(end) { vec![shifted(1.0), shifted(-1.0)] } else { Vec::new() };
+    sides.into_iter().chain(axes.iter().map(turned)).collect()
 }
 
 /// The mirror images of moved points through their centre across each of their principal axes, with what mirrors their directions.

@@ -56,8 +56,15 @@ pub(crate) fn best(
 ) -> Result<(RegisterReport<3>, Others), Error> {
     let own = score(&result.pose);
     let mut scored = Vec::new();
-    for motion in motions.iter().take(TRIED) {
-        let found = few(&result.pose.followed_by(motion))?;
+    // The positions in which the points fit best before they are registered there come first.
+    let mut starts: Vec<(f64, Pose<3>)> = motions
+        .iter()
+        .map(|motion| result.pose.followed_by(motion))
+        .map(|pose| (score(&pose), pose))
+        .collect();
+    starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+    for (_, start) in starts.iter().take(TRIED) {
+        let found = few(start)?;
         if found.is_converged() {
             scored.push((score(&found.pose), found.pose));
         }

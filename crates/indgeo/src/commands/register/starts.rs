@@ -13,12 +13,16 @@ use crate::error::Error;
 use crate::runtime::progress::Progress;
 use industrial_geometry::mesh::nalgebra::Vector3;
 use industrial_geometry::register::{Pose, RegisterReport};
+use std::cmp::Ordering;
 use std::time::Instant;
 
 /// Share of the points near the model above which the given start is good enough.
 const GOOD_SHARE: f64 = 0.9;
 /// Share of a cloud that lies on another one exactly, from which clouds are compared by it.
 const LEAST_OVERLAP: f64 = 0.06;
+/// Overlap over that of another position from which the two do not differ by it, and score over the other's below which they differ by that.
+const AS_MUCH: f64 = 0.9;
+const AT_ALL: f64 = 0.9;
 /// The same of a known position from which others are tried with few points first, and the part of it below which they are hopeless.
 const MUCH_OVERLAP: f64 = 0.15;
 const HOPELESS: f64 = 0.5;
@@ -139,7 +143,12 @@ impl<'a> Tries<'a> {
     }
 
     fn beside(&self, end: &RegisterReport<3>) -> Vec<Pose<3>> {
-        elsewhere::beside(&self.cloud.positions, end, self.model.is_planar())
+        let Self { cloud, field, .. } = self;
+        let mut starts = elsewhere::beside(&cloud.positions, end, self.model.is_planar());
+        if matches!(self.model, RegistrationModel::Cloud(_)) {
+            starts.retain(|start| elsewhere::lies_roughly(field, [&cloud.positions; 2], &end.pose, start));
+        }
+        starts
     }
 
     /// Registers from positions beside the best end as well, if that leaves much unexplained.
@@ -179,6 +188,16 @@ impl<'a> Tries<'a> {
         for (positions, across) in
             elsewhere::mirror_images(&cloud.positions, &end.pose, self.model.is_planar())
         {
+            if matches!(self.model, RegistrationModel::Cloud(_))
+                && !elsewhere::lies_roughly(
+                    field,
+                    [&cloud.positions, &positions],
+                    &end.pose,
+                    &Pose::identity(),
+                )
+            {
+                continue;
+            }
             let normals: Option<Vec<Vector3<f64>>> =
                 cloud.normals.map(|all| all.iter().map(|n| across * end.pose.rotate(n)).collect());
             let image = Cloud { positions, normals: normals.as_deref(), weights: cloud.weights.clone() };
@@ -260,18 +279,26 @@ impl<'a> Tries<'a> {
     /// The start whose result fits best, of those that converged if any did; the first of equals.
     ///
     /// Clouds need not have much in common: there the share that lies on the other one beyond what chance explains decides, as long as
-    /// any has enough of it.
+    /// any has enough of it; where two have about the same, the distances of all points, by which the first one has to be beaten distinctly.
     pub(crate) fn best_index(&self) -> Option<usize> {
         let by_overlap = self.is_by_overlap();
-        let rank = |one: &Try| {
-            let cost = if by_overlap { -one.fit.overlap } else { one.fit.score };
-            (!one.result.is_converged(), one.floats, cost)
+        let rank = |one: &Try| (!one.result.is_converged(), one.floats);
+        let is_better = |one: &Try, than: &Try| match rank(one).cmp(&rank(than)) {
+            Ordering::Less => true,
+            Ordering::Greater => false,
+            Ordering::Equal if by_overlap => {
+                let [more, less] =
+                    [one.fit.overlap.max(than.fit.overlap), one.fit.overlap.min(than.fit.overlap)];
+                if less >= AS_MUCH * more {
+                    one.fit.score < AT_ALL * than.fit.score
+                } else {
+                    one.fit.overlap == more
+                }
+            }
+            Ordering::Equal => one.fit.score < than.fit.score,
         };
-        (0..self.list.len()).reduce(
-            |best, i| {
-                if rank(&self.list[i]) < rank(&self.list[best]) { i } else { best }
-            },
-        )
+        (0..self.list.len())
+            .reduce(|best, i| if is_better(&self.list[i], &self.list[best]) { i } else { best })
     }
 
     /// Whether starts are compared by what lies on the model beyond chance.

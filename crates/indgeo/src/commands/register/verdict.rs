@@ -8,12 +8,15 @@ use crate::commands::register::sight::Sights;
 use crate::error::Error;
 use industrial_geometry::mesh::nalgebra::{Matrix3x6, Matrix6, Vector3};
 use industrial_geometry::register::{
-    Coverage, Doubt, Pose, RegisterOptions, RegisterReport, Status, Support, is_flat,
+    Coverage, Doubt, Pose, RegisterOptions, RegisterReport, Status, Support, is_flat, shows_a_surface,
 };
 
 /// Uncertainty of the pose at the corners of the model, as a share of its size, that is told, and from which on the pose is open.
 const NOTED: f64 = 0.01;
 const OPEN: f64 = 0.05;
+
+/// Share of the points that count from which nothing was left out that could fix what the others leave free.
+const HARDLY_LEFT_OUT: f64 = 0.97;
 
 /// The result, unless cloud and model both are clouds in a plane: then nothing fixes the motions in it.
 pub(crate) fn flat(
@@ -41,7 +44,7 @@ pub(crate) fn warning(result: &RegisterReport<3>, checks: &Checks, job: &Job<'_>
              its size (two standard deviations): add points far from each other"
         ));
     }
-    if result.status == Status::Underdetermined {
+    if result.status == Status::Underdetermined && support.doubt != Some(Doubt::Unfixed) {
         return Some(format!(
             "{points} and {model} lie in a plane each, in which nothing fixes the motion: give a model with some depth, or a profile \
              as a NURBS curve of the plane"
@@ -99,6 +102,22 @@ pub(crate) fn warning(result: &RegisterReport<3>, checks: &Checks, job: &Job<'_>
                  is of, and that the axes of the file are right-handed"
             ));
         }
+        Some(Doubt::Unresolved) => {
+            return Some(format!(
+                "the pose is not to be trusted ({support}): the points of {model} show no surface, as where a sheet is thinner than they are \
+                 apart: give a denser cloud, one side of the sheet, or a mesh"
+            ));
+        }
+        Some(Doubt::Unfixed) if job.options.scale => {
+            "the points that count fit at other scales as well, as those of a plane do: add points of other faces, or leave out --scale"
+        }
+        Some(Doubt::Unfixed) => {
+            return Some(format!(
+                "the pose is not determined ({support}): {}, and what was left out might fix it: give scans that have more in common, or \
+                 another start (--init, --start global)",
+                result.free_motions.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
+            ));
+        }
         Some(Doubt::FewPoints) => {
             "hardly any points lie on the model: check that both are of the same part and in the same unit (--scale), give a start \
              (--init), or choose --start global"
@@ -151,7 +170,7 @@ pub(crate) fn checked(
     let floats = checks.free_space.iter().find_map(|one| one.found.doubt());
     let bare = checks.coverage.and_then(|coverage| coverage.doubt(result.support.share));
     let better = checks.elsewhere.map(|_| Doubt::Elsewhere);
-    let better = better.or(checks.mirrored.map(|_| Doubt::Mirrored));
+    let better = better.or(checks.mirrored.map(|_| Doubt::Mirrored)).or_else(|| of_clouds(model, &result));
     // Where a part differs from its model its distances say little about the pose.
     if result.status == Status::Converged && !result.support.exceeds_noise() {
         (checks.lever, checks.model_size) = (lever(field, &result), field.diagonal());
@@ -165,6 +184,23 @@ pub(crate) fn checked(
             (RegisterReport { status: Status::Underdetermined, ..result }, checks)
         }
         None => (result, checks),
+    }
+}
+
+/// Why a pose of a cloud on a cloud is not believed: distances that two scans of one thing do not have, a model that shows no surface, or
+/// motions that what the two have in common leaves free.
+fn of_clouds(model: &RegistrationModel, result: &RegisterReport<3>) -> Option<Doubt> {
+    let RegistrationModel::Cloud(cloud) = model else { return None };
+    if result.status != Status::Converged {
+        return None;
+    }
+    let is_unfixed = !result.free_motions.is_empty() && result.support.share < HARDLY_LEFT_OUT;
+    if result.support.is_large_for_scans() {
+        Some(Doubt::LargeDistances)
+    } else if !shows_a_surface(cloud.positions()) {
+        Some(Doubt::Unresolved)
+    } else {
+        is_unfixed.then_some(Doubt::Unfixed)
     }
 }
 

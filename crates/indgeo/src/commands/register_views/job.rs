@@ -15,7 +15,7 @@ use crate::runtime::progress::Progress;
 use industrial_geometry::io::{self, Content, Format, ReadOptions, WriteOptions};
 use industrial_geometry::register::Pose;
 use industrial_geometry::register::views::{
-    View, ViewsOptions, ViewsReport, ViewsStatus, register_views, register_views_from,
+    PairSearch, View, ViewsOptions, ViewsReport, ViewsStatus, have_much_in_common, register_views,
 };
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -82,6 +82,15 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
             "{one} and {other} are {} apart where they overlap (rms), much more than the noise of either: they lie on each other wrongly, \
              or do not show the same part; give other poses (--init), or choose --start global",
             plain(pair.rms_after)
+        ));
+    }
+    for pair in found.pairs.iter().filter(|pair| pair.is_ambiguous) {
+        let [one, other] = pair.views.map(|view| job.views[view].path.display());
+        report.warnings.push(format!(
+            "{one} and {other} lie on each other about as well in another place, or fit best there: what they have in common does not tell \
+             ({:.0} % of one and {:.0} % of the other); add views between them, or look at the result and give poses near it (--init)",
+            100.0 * pair.overlap[0],
+            100.0 * pair.overlap[1]
         ));
     }
     let outputs = outputs(job.views, job.out);
@@ -190,22 +199,36 @@ fn solve(
     let failed = |error: industrial_geometry::register::Error| name_view(&error, job);
     let tell = |done: usize, total: usize| progress.report(done, total);
     let from = |poses: &[Pose<3>]| register_views(views, poses, &job.options, &tell).map_err(failed);
-    let search = || register_views_from(views, &job.options, &tell).map_err(failed);
-    if let Some(poses) = given {
-        return Ok((from(&poses)?, "init"));
-    }
+    let search = || PairSearch::new(views, &job.options, &tell).map_err(failed);
     if matches!(job.start, Start::Global) {
-        return Ok((search()?, "search"));
+        let search = search()?;
+        return Ok((search.judged(views, from(&search.poses())?), "search"));
     }
-    let near = from(&vec![Pose::identity(); views.len()])?;
-    let size = size(views);
-    let good = near.status == ViewsStatus::Converged && near.rms <= GOOD_RMS * size;
+    let (near, origin) = match &given {
+        Some(poses) => (from(poses)?, "init"),
+        None => (from(&vec![Pose::identity(); views.len()])?, "given"),
+    };
+    let is_converged = near.status == ViewsStatus::Converged;
+    // Views with little in common lie on each other in many places: whether they do elsewhere as well is looked for.
+    let is_sure = is_converged && have_much_in_common(&near);
+    let is_asked = given.is_some() || matches!(job.start, Start::Given);
     // Poses of the files are not searched for.
-    if good || matches!(job.start, Start::Given) || job.views.iter().all(|view| view.is_posed) {
-        return Ok((near, "given"));
+    if is_asked && !is_converged || job.views.iter().all(|view| view.is_posed) {
+        return Ok((near, origin));
     }
-    let found = search()?;
-    Ok(if worth(&found, size) > worth(&near, size) { (found, "search") } else { (near, "given") })
+    let size = size(views);
+    if is_sure && (is_asked || near.rms <= GOOD_RMS * size) {
+        return Ok((near, origin));
+    }
+    let search = search()?;
+    let near = search.judged(views, near);
+    if is_asked || near.status == ViewsStatus::Converged && near.rms <= GOOD_RMS * size {
+        return Ok((near, origin));
+    }
+    let found = from(&search.poses())?;
+    let (best, origin) =
+        if worth(&found, size) > worth(&near, size) { (found, "search") } else { (near, "given") };
+    Ok((search.judged(views, best), origin))
 }
 
 /// The error of the library with the file of the view it speaks of (`view 3: …`).

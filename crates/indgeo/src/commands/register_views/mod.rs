@@ -73,14 +73,14 @@ const AFTER_HELP: &str = "\
 poses.json: {\"status\": ..., \"rms\": ..., \"views\": [{\"path\": ..., \"matrix\": 4 x 4 row by row (common frame = matrix * view),
 \"rotation\": {\"quaternion\": [w,x,y,z], \"axis\": [x,y,z], \"angle\": radians}, \"translation\": [x,y,z], \"covariance\": {...} or
 null}, ...], \"pairs\": [{\"views\": [i, j], \"overlap\": [share of i, share of j], \"count\": matched points, \"rms_before\": ...,
-\"rms_after\": ..., \"doubtful\": whether that is more than noise}, ...], \"components\": [[views that hang together], ...], ...}. Views are numbered from 0.
+\"rms_after\": ..., \"doubtful\": whether that is more than noise, \"ambiguous\": whether the two may lie on each other elsewhere as well}, ...], \"components\": [[views that hang together], ...], ...}. Views are numbered from 0.
 
 Scans of one file are written as NAME-0.e57, NAME-1.e57, ... (of PTX as PLY); \"scan\" is their number, and \"matrix\" takes the points as
 the poses of the file place them.
 
 Files appear in DIR all together at the end, or not at all.
-Exit status 0: converged; 1: not converged, doubtful pairs, views that overlap with no other, or views that can slide along each other
-(\"underdetermined\"; files are written nevertheless); 2: bad input or usage; 130: interrupted.
+Exit status 0: converged; 1: not converged, doubtful or ambiguous pairs, views that overlap with no other, or views that can slide along
+each other (\"underdetermined\"; files are written nevertheless); 2: bad input or usage; 130: interrupted.
 
 Examples:
   indgeo register-views scan1.ply scan2.ply scan3.ply -o aligned
