@@ -49,7 +49,7 @@ mod tests {
     /// Both sides of a plate of 100 by 60.
     fn plate(count: usize, thickness: f64) -> Vec<Point3<f64>> {
         let mut random = Random::new(3);
-        let side = |k: usize| if k % 2 == 0 { 0.0 } else { thickness };
+        let side = |k: usize| if k.is_multiple_of(2) { 0.0 } else { thickness };
         (0..count).map(|k| Point3::new(100.0 * random.unit(), 60.0 * random.unit(), side(k))).collect()
     }
 

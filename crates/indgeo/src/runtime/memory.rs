@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 const MARK: char = '\0';
 
 /// The path of the file in memory that is called `name`, to be given to a command. What is written to it comes back with
-/// [`call`](crate::runtime::call).
+/// [`call`](crate::call()).
 #[must_use]
 pub fn memory_path(name: &str) -> String {
     format!("{MARK}{name}")
