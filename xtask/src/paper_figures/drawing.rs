@@ -1,7 +1,6 @@
 //! Drawings in SVG: panels with points, lines and shaded surfaces.
 
-use nalgebra::{Vector2, Vector3};
-use nurbs_core::{BsplineSurface, ParametricSurface};
+use nalgebra::Vector2;
 use std::fmt::Write as _;
 
 pub(super) const GREY: &str = "#9aa3ae";
@@ -13,8 +12,6 @@ const TITLE: f64 = 26.0;
 const MARGIN: f64 = 12.0;
 /// Width of a character of the caption, at most.
 const CHARACTER: f64 = 7.2;
-/// Share of a surface, at each end, in which the inside of a tube is drawn.
-const OPEN: f64 = 0.2;
 
 /// A row of panels with titles, and a caption.
 pub(super) struct Drawing {
@@ -151,72 +148,6 @@ impl Panel<'_> {
             self.drawing.text,
             r#"<text x="{x:.0}" y="{y:.0}" text-anchor="middle" font-size="13" fill="{colour}">{text}</text>"#
         );
-    }
-
-    /// A surface seen by `camera`, lit from the upper left, in so many cells. Of the inside of a tube only what is near its ends
-    /// can be seen.
-    pub(super) fn surface(&mut self, surface: &BsplineSurface, camera: &Camera, [m, n]: [usize; 2]) {
-        let [u, v] = surface.domain();
-        let place =
-            |i: usize, j: usize| surface.point(u.lerp(i as f64 / m as f64), v.lerp(j as f64 / n as f64));
-        let net: Vec<Vec<Vector3<f64>>> =
-            (0..=m).map(|i| (0..=n).map(|j| camera.seen(&place(i, j))).collect()).collect();
-        let mut cells = Vec::new();
-        for i in 0..m {
-            for j in 0..n {
-                let corners = [net[i][j], net[i + 1][j], net[i + 1][j + 1], net[i][j + 1]];
-                let normal = (corners[2] - corners[0]).cross(&(corners[3] - corners[1]));
-                let Some(normal) = normal.try_normalize(0.0) else { continue };
-                let share = (j as f64 + 0.5) / n as f64;
-                if normal.z < 0.0 && (OPEN..1.0 - OPEN).contains(&share) {
-                    continue;
-                }
-                let depth = corners.iter().map(|c| c.z).sum::<f64>();
-                cells.push((depth, corners, normal));
-            }
-        }
-        // The farthest first.
-        cells.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let light = Vector3::new(-0.45, 0.55, 0.7).normalize();
-        // Without smoothed edges no background shows between cells.
-        let _ = writeln!(self.drawing.text, r#"<g shape-rendering="crispEdges">"#);
-        for (_, corners, normal) in cells {
-            // The inside of a tube is darker.
-            let (inside, normal) = if normal.z < 0.0 { (0.55, -normal) } else { (1.0, normal) };
-            let bright = (inside * (0.35 + 0.65 * normal.dot(&light).max(0.0))).min(1.0);
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 0 to 255")]
-            let [r, g, b] = [214.0, 222.0, 235.0].map(|c: f64| (c * bright).round() as u8);
-            let places = corners.map(|corner| self.at(&corner.xy()));
-            // Relative places with one digit, which is enough and short.
-            let rounded = places.map(|(x, y)| [x, y].map(|c| (10.0 * c).round()));
-            let _ =
-                write!(self.drawing.text, r#"<path d="m{} {}l"#, rounded[0][0] / 10.0, rounded[0][1] / 10.0);
-            for pair in rounded.windows(2) {
-                let [dx, dy] = [0, 1].map(|k| (pair[1][k] - pair[0][k]) / 10.0);
-                let _ = write!(self.drawing.text, "{dx} {dy} ");
-            }
-            let _ = writeln!(self.drawing.text, r##"z" fill="#{r:02x}{g:02x}{b:02x}"/>"##);
-        }
-        self.drawing.text.push_str("</g>\n");
-    }
-}
-
-/// A direction of view: points become right, up and towards the eye.
-pub(super) struct Camera {
-    axes: [Vector3<f64>; 3],
-}
-
-impl Camera {
-    /// With the direction `up` upwards in the picture, seen from a little above.
-    pub(super) fn new(up: &Vector3<f64>, side: &Vector3<f64>) -> Self {
-        let back = up.cross(side).normalize();
-        let towards = (back + up * 0.35).normalize();
-        let right = up.cross(&towards).normalize();
-        Self { axes: [right, towards.cross(&right), towards] }
-    }
-
-    pub(super) fn seen(&self, p: &Vector3<f64>) -> Vector3<f64> {
-        Vector3::from(self.axes.map(|axis| axis.dot(p)))
     }
 }
 

@@ -1,10 +1,13 @@
 //! Figs. 7 to 9 of \[MPK\]: a cloud, its base surface and the surfaces fitted with the parameters that this gives.
 
-use super::drawing::{BLACK, Camera, Drawing, bounds};
+use super::shading::{DARK, GREY, SAND, SIZE, mesh_of};
 use cloud_param::{
     FitOptions, ParameteriseOptions, finish_fit, finish_options, fit_parameters, parameterise,
 };
-use nalgebra::{Vector2, Vector3};
+use industrial_geometry::mesh::TriangleMesh;
+use industrial_geometry::picture::{MeshScene, Paint, Sheet, View};
+use nalgebra::{Point3, Rotation3, Vector3};
+use nurbs_core::BsplineSurface;
 use std::error::Error;
 
 /// Cloud, base surface, least squares and finish side by side.
@@ -18,28 +21,34 @@ pub(super) fn steps(
     let fit = fit_parameters(points, &found.base, &found.feet, &found.counts, &options)?;
     let (least_squares, rms) = (fit.surface.clone(), fit.rms);
     let (finished, _) = finish_fit(points, &found.counts, fit, &finish_options(points.len()))?;
+    // The axis upwards.
     let axis = found.report.axis.direction;
-    let camera = Camera::new(&axis, &Vector3::ith(axis.iamin(), 1.0).cross(&axis).normalize());
-    let cloud: Vec<Vector2<f64>> = points.iter().map(|p| camera.seen(p).xy()).collect();
-    let [low, high] = bounds(&cloud);
+    let upright = Rotation3::rotation_between(&axis, &Vector3::z())
+        .unwrap_or_else(|| Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI));
+    let turned = |p: &Vector3<f64>| Point3::from(upright * p);
+    let room: Vec<Point3<f64>> = points.iter().map(turned).collect();
+    let view = View { turn: -0.6, height: 0.35 };
+    let nothing = TriangleMesh::new(Vec::new(), Vec::new())?;
+    let mut cloud = MeshScene { view, frame: Some(&room), ..MeshScene::new(&nothing, Paint::Plain(GREY)) };
+    cloud.points = room.iter().step_by(2).map(|p| (*p, DARK, 0.7)).collect();
+    let draw = |surface: &BsplineSurface| -> Result<_, Box<dyn Error>> {
+        let (mesh, normals) = mesh_of(surface, [240, 480])?;
+        let vertices = mesh.vertices().iter().map(|p| turned(&p.coords)).collect();
+        let mesh = TriangleMesh::new(vertices, mesh.triangles().to_vec())?;
+        let normals: Vec<Vector3<f64>> = normals.iter().map(|n| upright * n).collect();
+        let scene = MeshScene::new(&mesh, Paint::Plain(SAND));
+        Ok(MeshScene { normals: Some(&normals), view, frame: Some(&room), ..scene }.draw(SIZE))
+    };
     let [grid_u, grid_v] = found.report.grid;
     let [n_u, n_v] = control_points;
-    // Fine along the axis where the net is.
-    let cells = [if n_v > 40 { 36 } else { 56 }, 2 * n_v];
-    let mut drawing = Drawing::new(
-        380.0,
-        &format!(
-            "{title}; points are {:.2} apart. Root mean square orthogonal distances; the finish is squared distance minimisation of the same control points.",
-            found.report.spacing
-        ),
-    );
-    drawing.panel("(a) cloud", low, high).points(cloud.iter().step_by(2), 0.5, BLACK);
-    for (label, surface, rms) in [
-        (format!("(b) base {grid_u} × {grid_v}"), &found.base, found.report.rms),
-        (format!("(c) least squares {n_u} × {n_v}"), &least_squares, rms),
-        (format!("(d) finished {n_u} × {n_v}"), &finished.surface, finished.rms),
-    ] {
-        drawing.panel(&format!("{label}: rms {rms:.3}"), low, high).surface(surface, &camera, cells);
-    }
-    Ok(drawing.finish())
+    let sheet = Sheet::new()
+        .with("cloud", cloud.draw(SIZE))
+        .with("base", draw(&found.base)?)
+        .with("least squares", draw(&least_squares)?)
+        .with("finished", draw(&finished.surface)?)
+        .with_caption(&format!(
+            "{title}, {:.2} apart. Root mean square distances: base of {grid_u} × {grid_v} {:.3}, least squares of {n_u} × {n_v} {rms:.3}, finished {:.3}.",
+            found.report.spacing, found.report.rms, finished.rms
+        ));
+    Ok(sheet.to_svg()?)
 }
