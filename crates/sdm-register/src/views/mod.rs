@@ -5,6 +5,7 @@
 //! `i`; the sum over all overlapping pairs is minimised in one system of `6 (n − 1)` unknowns (\[PLH02\]). Errors do not
 //! accumulate along a chain of scans, and loops close by themselves.
 
+mod anywhere;
 mod chain;
 mod graph;
 mod matching;
@@ -15,8 +16,9 @@ mod surface;
 mod system;
 mod view;
 
+pub use anywhere::register_views_from;
 pub use chain::{PairSearch, have_much_in_common};
 pub use options::ViewsOptions;
-pub use register::{register_views, register_views_from};
+pub use register::register_views;
 pub use report::{PairReport, ViewReport, ViewsReport, ViewsStatus, ViewsStep};
 pub use view::View;

@@ -9,7 +9,6 @@ use sdm_core::{
 use std::convert::Infallible;
 
 use super::ViewsOptions;
-use super::chain::PairSearch;
 use super::graph::components;
 use super::matching::{Matches, Rules, find};
 use super::report::{PairReport, ViewReport, ViewsReport, ViewsStatus, ViewsStep};
@@ -70,23 +69,6 @@ pub fn register_views(
     let mut run = Run::new(views, poses, options)?;
     let status = run.iterate(progress);
     Ok(run.report(views, status))
-}
-
-/// Registers views about whose poses nothing is known.
-///
-/// All pairs are registered coarsely ([`crate::start`]); a tree of the pairs that fit best gives the initial poses for
-/// [`register_views`]. The first view keeps its frame. Views that fit about as well elsewhere end as [`ViewsStatus::Ambiguous`].
-///
-/// # Errors
-/// As for [`register_views`].
-pub fn register_views_from(
-    views: &[View],
-    options: &ViewsOptions,
-    progress: Progress<'_>,
-) -> Result<ViewsReport, Error> {
-    let search = PairSearch::new(views, options, progress)?;
-    let report = register_views(views, &search.poses(), options, progress)?;
-    Ok(search.judged(views, report))
 }
 
 pub(super) fn check(views: &[View]) -> Result<(), Error> {
