@@ -66,8 +66,7 @@ pub use parameterise::{
 };
 pub use shape::{Shape, ShapeDecision, decide};
 pub use surface::{
-    Boundary, RefineOptions, RefineReport, RefineStep, SampleGrid, dynamic_base_surface, grid_of_curves,
-    refine,
+    RefineOptions, RefineReport, RefineStep, SampleGrid, dynamic_base_surface, grid_of_curves, refine,
 };
 pub use turntable::{
     AxisChoice, AxisEstimate, AxisOrigin, Circle, Coverage, Turntable, TurntableView, bounding_circle,

@@ -30,6 +30,8 @@ pub enum Paint<'a> {
     },
     /// One label per vertex; triangles between labels are divided.
     Labels(&'a [i64]),
+    /// Zebra stripes: the reflection of so many parallel lines of light, which bends where the curvature jumps and breaks where the normal does.
+    Zebra(u8),
 }
 
 /// A polyline on a mesh.
@@ -237,6 +239,7 @@ impl<'a> MeshScene<'a> {
                 let normal = normals[0] * w[0] + normals[1] * w[1] + normals[2] * w[2];
                 let base = match self.paint {
                     Paint::Plain(colour) => colour,
+                    Paint::Zebra(lines) => reflected(&normal, lines),
                     Paint::Labels(labels) => {
                         let most = (0..3).fold(0, |best, k| if w[k] > w[best] { k } else { best });
                         of_label(labels.get(triangle[most] as usize).copied().unwrap_or(-1))
@@ -250,6 +253,16 @@ impl<'a> MeshScene<'a> {
             }
         }
     }
+}
+
+/// White where a line of light is seen in a mirror with a normal, black between them.
+fn reflected(normal: &Vector3<f64>, lines: u8) -> Colour {
+    let normal = normal.try_normalize(0.0).unwrap_or_else(Vector3::z);
+    let normal = if normal.z < 0.0 { -normal } else { normal };
+    // The direction that the eye, along z, sees in the mirror.
+    let seen = normal * (2.0 * normal.z) - Vector3::z();
+    let turn = seen.y.clamp(-1.0, 1.0).acos() / std::f64::consts::PI;
+    if (turn * f64::from(lines)).fract() < 0.5 { [0.97; 3] } else { [0.10, 0.12, 0.15] }
 }
 
 /// The colour of a value, darker on isolines.
@@ -324,5 +337,23 @@ impl Target {
                 }
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stripes_are_the_same_from_both_sides_and_follow_the_normal() {
+        let at = |angle: f64| reflected(&Vector3::new(0.0, angle.sin(), angle.cos()), 8);
+        for k in 0..40 {
+            let normal = Vector3::new(0.3, 0.04 * f64::from(k) - 0.8, 0.5);
+            assert_eq!(reflected(&normal, 8), reflected(&-normal, 8));
+        }
+        // A turn of the normal by half the distance of two lines goes from the middle of one to the middle of the next.
+        let step = std::f64::consts::PI / 16.0;
+        assert_eq!(at(0.25 * step), at(1.25 * step));
+        assert_ne!(at(0.25 * step), at(0.75 * step));
     }
 }

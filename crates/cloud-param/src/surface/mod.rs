@@ -5,6 +5,6 @@ mod grid;
 mod refine;
 mod unfold;
 
-pub use boundary::{Boundary, dynamic_base_surface};
+pub use boundary::dynamic_base_surface;
 pub use grid::{SampleGrid, grid_of_curves};
 pub use refine::{RefineOptions, RefineReport, RefineStep, refine};

@@ -25,6 +25,8 @@ pub struct RefineOptions {
     pub relaxation: f64,
     /// Whether places are moved to equal distances along the parameter lines before each iteration; default yes.
     pub equalise: bool,
+    /// Whether places on the boundary of an open grid stay where they are; default not. `equalise` must be off then.
+    pub hold_boundary: bool,
 }
 
 impl Default for RefineOptions {
@@ -35,6 +37,7 @@ impl Default for RefineOptions {
             threshold: 0.01,
             relaxation: 0.5,
             equalise: true,
+            hold_boundary: false,
         }
     }
 }
@@ -82,6 +85,13 @@ pub fn refine(
     if !(0.0..=1.0).contains(&options.relaxation) {
         return Err(Error::Option { name: "relaxation", value: options.relaxation, allowed: "in [0, 1]" });
     }
+    if options.hold_boundary && options.equalise {
+        return Err(Error::Option {
+            name: "equalise",
+            value: 1.0,
+            allowed: "false (0) where the boundary is held",
+        });
+    }
     let axes = frame.map(|f| &f.axes);
     let state = |grid: &SampleGrid| -> Result<(BsplineSurface, RefineStep), Error> {
         let surface = grid.surface()?;
@@ -92,6 +102,7 @@ pub fn refine(
     let (surface, step) = state(grid)?;
     let mut current = (grid.clone(), surface);
     let mut best = current.clone();
+    let size = grid.size;
     let mut report = RefineReport { history: vec![step], kept: 0, converged: false, unsupported: 0.0 };
     // A later state is preferred, being better relaxed, unless it has more defects.
     let worth = |s: &RefineStep| s.defects.self_loops + s.defects.crossovers;
@@ -101,7 +112,8 @@ pub fn refine(
             current = (next.clone(), next.surface()?);
         }
         let drawn = draw(&next, &current.1, cloud, frame, &options.directed);
-        relax(&mut next, &drawn, options.relaxation);
+        let held = |i: usize, j: usize| options.hold_boundary && is_boundary(size, i, j);
+        relax(&mut next, &drawn, options.relaxation, &held);
         let (surface, step) = state(&next)?;
         current = (next, surface);
         let before = report.history[k - 1].rms;
@@ -115,7 +127,9 @@ pub fn refine(
             break;
         }
     }
+    // To unfold it moves the boundary, too.
     if worth(&report.history[report.kept]) > 0
+        && !options.hold_boundary
         && let Some((grid, surface)) = unfolded(&best.0, &best.1, axes)?
     {
         report.kept = report.history.len();
@@ -170,16 +184,25 @@ fn draw(
     })
 }
 
-/// Moves places towards the middle of their neighbours: within the tangent plane where the cloud holds them, freely elsewhere.
-fn relax(grid: &mut SampleGrid, drawn: &[Drawn], share: f64) {
+fn is_boundary([m, n]: [usize; 2], i: usize, j: usize) -> bool {
+    i == 0 || j == 0 || i + 1 == m || j + 1 == n
+}
+
+/// Moves places towards the middle of their neighbours: within the tangent plane where the cloud holds them, freely elsewhere. Those that are held stay.
+fn relax(grid: &mut SampleGrid, drawn: &[Drawn], share: f64, held: &dyn Fn(usize, usize) -> bool) {
     let [m, n] = grid.size;
-    for (slot, drawn) in grid.points.iter_mut().zip(drawn) {
-        *slot = drawn.point;
+    for (k, (slot, drawn)) in grid.points.iter_mut().zip(drawn).enumerate() {
+        if !held(k / n, k % n) {
+            *slot = drawn.point;
+        }
     }
     let old = grid.clone();
     for i in 0..m {
         for j in 0..n {
             let k = i * n + j;
+            if held(i, j) {
+                continue;
+            }
             let Some([a, b]) = old.beside(i, j) else { continue };
             let middle = if j == 0 || j + 1 == n {
                 (a + b) / 2.0

@@ -2,13 +2,14 @@
 
 use crate::common::{noise, scattered, vase, vase_point};
 use cloud_param::{
-    Boundary, DirectedWeight, Error, FinishOutcome, FitOptions, Neighbourhood, ParameterStatus,
-    ParameteriseOptions, RefineOptions, Shape, Stage, SurfaceDefects, dynamic_base_surface, finish_fit,
-    finish_fit_with_progress, finish_options, fit_parameters, parameterise, parameterise_with_progress,
+    DirectedWeight, Error, FinishOutcome, FitOptions, Neighbourhood, ParameterStatus, ParameteriseOptions,
+    RefineOptions, Shape, Stage, SurfaceDefects, dynamic_base_surface, finish_fit, finish_fit_with_progress,
+    finish_options, fit_parameters, parameterise, parameterise_with_progress,
 };
 use footpoint::SurfaceProjector;
 use nalgebra::{Rotation3, Vector3};
-use nurbs_core::{BsplineCurve, BsplineSurface, ParameterMethod, ParametricSurface, construct};
+use nurbs_core::construct::BoundaryCurves;
+use nurbs_core::{BsplineCurve, BsplineSurface, ParameterMethod, ParametricCurve, ParametricSurface};
 use sdm_fit::FitStep;
 use std::ops::ControlFlow;
 use std::sync::Mutex;
@@ -221,9 +222,24 @@ fn the_method_before_comes_near_the_shape_between_its_boundary_curves() {
     };
     let along_u = [0.0, 1.0].map(|h| curve(&|t| vase_point(0.25 * t, h)));
     let along_v = [0.0, 0.25].map(|a| curve(&|t| vase_point(a, t)));
-    let boundary = Boundary { along_u: [&along_u[0], &along_u[1]], along_v: [&along_v[0], &along_v[1]] };
-    let options = RefineOptions { equalise: false, ..RefineOptions::default() };
-    let (surface, report) = dynamic_base_surface(&cloud, &boundary, [16, 40], &options).unwrap();
+    // In another order, and some the other way round.
+    let curves = [along_u[0].clone(), along_v[0].reversed().unwrap(), along_u[1].clone(), along_v[1].clone()];
+    let boundary = BoundaryCurves::of(curves, 1e-6).unwrap();
+    for (found, given) in boundary.along_u.iter().zip(&along_u).chain(boundary.along_v.iter().zip(&along_v)) {
+        assert_eq!(found.control_points(), given.control_points());
+    }
+    let options = RefineOptions::default();
+    let (surface, report) = dynamic_base_surface(&cloud, &boundary, 1e-6, [16, 40], &options).unwrap();
+    for k in 0..=200 {
+        let t = f64::from(k) / 200.0;
+        for (end, (u, v)) in [0.0, 1.0].into_iter().zip(boundary.along_u.iter().zip(&boundary.along_v)) {
+            let along = |curve: &BsplineCurve<3>| curve.point(curve.domain().lerp(t));
+            assert!(
+                (surface.point(t, end) - along(u)).norm() < 1e-12
+                    && (surface.point(end, t) - along(v)).norm() < 1e-12
+            );
+        }
+    }
     assert!(report.history[report.kept].rms < report.history[0].rms);
     // How far a surface is from the vase itself, along the radius.
     let deviation = |surface: &BsplineSurface| {
@@ -236,10 +252,10 @@ fn the_method_before_comes_near_the_shape_between_its_boundary_curves() {
         };
         ((0..23 * 61).map(|k| radial(place(k)).powi(2)).sum::<f64>() / (23.0 * 61.0)).sqrt()
     };
-    let coons = construct::coons(boundary.along_u, boundary.along_v, 1e-6).unwrap();
+    let coons = boundary.coons(1e-6).unwrap();
     let [before, after] = [deviation(&coons), deviation(&surface)];
     assert!(before > 0.1 && after < 0.25 * before, "{before} {after}");
-    assert!(dynamic_base_surface(&cloud, &boundary, [3, 3], &options).is_err());
+    assert!(dynamic_base_surface(&cloud, &boundary, 1e-6, [3, 3], &options).is_err());
 }
 
 #[test]

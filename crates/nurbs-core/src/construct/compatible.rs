@@ -28,19 +28,23 @@ pub(super) fn compatible(curves: &[BsplineCurve<3>]) -> Result<Vec<BsplineCurve<
 }
 
 /// The curve with knots that agree with one of `knots` up to rounding moved onto it.
-fn snapped(curve: &BsplineCurve<3>, knots: &KnotVector) -> Result<BsplineCurve<3>, Error> {
-    let slack = SAME_KNOT * knots.domain().length();
-    let targets = knots.as_slice();
+pub(super) fn snapped(curve: &BsplineCurve<3>, knots: &KnotVector) -> Result<BsplineCurve<3>, Error> {
+    let knots = snapped_knots(curve.knots(), knots)?;
+    BsplineCurve::new(knots, curve.control_points().to_vec(), curve.weights().map(<[f64]>::to_vec))
+}
+
+/// Knots, of which those that agree with one of others up to rounding are moved onto it.
+pub(super) fn snapped_knots(knots: &KnotVector, onto: &KnotVector) -> Result<KnotVector, Error> {
+    let slack = SAME_KNOT * onto.domain().length();
+    let targets = onto.as_slice();
     let snap = |t: f64| {
         let k = targets.partition_point(|&x| x < t - slack);
         targets.get(k).copied().filter(|x| (x - t).abs() <= slack).unwrap_or(t)
     };
-    let moved: Vec<f64> = curve.knots().as_slice().iter().map(|&t| snap(t)).collect();
-    let degree = curve.degree();
-    let knots = if curve.knots().is_periodic() {
-        KnotVector::periodic(degree, moved)?
+    let moved: Vec<f64> = knots.as_slice().iter().map(|&t| snap(t)).collect();
+    if knots.is_periodic() {
+        KnotVector::periodic(knots.degree(), moved)
     } else {
-        KnotVector::new(degree, moved)?
-    };
-    BsplineCurve::new(knots, curve.control_points().to_vec(), curve.weights().map(<[f64]>::to_vec))
+        KnotVector::new(knots.degree(), moved)
+    }
 }

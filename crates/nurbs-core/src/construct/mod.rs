@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | four corners | [`bilinear`] | yes |
 //! | four boundary curves | [`coons`] | yes |
+//! | a surface and neighbours that it continues | [`joined`](joined()) | yes |
 //! | two curves | [`ruled`] | yes |
 //! | a curve and a vector | [`extrude`] | yes |
 //! | a curve and an axis | [`revolve`] | yes |
@@ -13,9 +14,11 @@
 //!
 //! Sweeping and skinning need the feature `fit`. Curves may be rational; those that have to fit together are given a common degree and common knots.
 
+mod boundary;
 mod compatible;
 mod coons;
 mod frames;
+mod joined;
 mod revolve;
 mod simple;
 #[cfg(feature = "fit")]
@@ -23,8 +26,10 @@ mod skin;
 #[cfg(feature = "fit")]
 mod sweep;
 
+pub use boundary::BoundaryCurves;
 pub use coons::coons;
 pub use frames::{PathFrame, rotation_minimizing_frames};
+pub use joined::{Continuity, Joined, Side, joined};
 pub use revolve::revolve;
 pub use simple::{bilinear, extrude, ruled, translate_along};
 #[cfg(feature = "fit")]

@@ -6,6 +6,7 @@ mod analytic;
 mod batch;
 mod construct;
 mod fitting;
+mod joined;
 mod knot_operations;
 mod laws;
 mod offset;

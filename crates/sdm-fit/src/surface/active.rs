@@ -111,12 +111,19 @@ impl ActiveSurface {
         (j < self.surface.n_v()).then(|| self.unknowns.get(i * self.surface.n_v() + j).copied()).flatten()
     }
 
-    /// The coefficients of the control points on the edges of open directions.
+    /// The coefficients of the control points in so many rows at each open side, in the order of
+    /// [`Side::ALL`](nurbs_core::construct::Side::ALL).
     #[must_use]
-    pub fn boundary(&self) -> Vec<usize> {
+    pub fn rows_at_sides(&self, rows: [usize; 4]) -> Vec<usize> {
         let (n_u, n_v) = (self.surface.n_u(), self.surface.n_v());
-        let at_end = |knots: &KnotVector, i: usize, n: usize| !knots.is_periodic() && (i == 0 || i + 1 == n);
-        let on = |i, j| at_end(self.surface.knots_u(), i, n_u) || at_end(self.surface.knots_v(), j, n_v);
+        let at_end = |knots: &KnotVector, i: usize, n: usize, rows: [usize; 2]| {
+            !knots.is_periodic() && (i < rows[0] || i + rows[1] >= n)
+        };
+        let [u_start, u_end, v_start, v_end] = rows;
+        let on = |i, j| {
+            at_end(self.surface.knots_u(), i, n_u, [u_start, u_end])
+                || at_end(self.surface.knots_v(), j, n_v, [v_start, v_end])
+        };
         let mut out: Vec<usize> = (0..n_u)
             .flat_map(|i| (0..n_v).map(move |j| (i, j)))
             .filter(|&(i, j)| on(i, j))
@@ -125,6 +132,12 @@ impl ActiveSurface {
         out.sort_unstable();
         out.dedup();
         out
+    }
+
+    /// The coefficients of the control points on the edges of open directions.
+    #[must_use]
+    pub fn boundary(&self) -> Vec<usize> {
+        self.rows_at_sides([1; 4])
     }
 
     /// Makes the given cells (spans in u and v) and their neighbours count more in the fairing.

@@ -4,7 +4,6 @@ use super::apart::{kept, with_apart};
 use super::base_shape::BaseShape;
 use super::conic_starts::conic_starts;
 use super::folds::Folds;
-use super::given;
 use super::initial::initial_surface;
 use super::judge::surface_frames;
 use super::options::SurfaceOptions;
@@ -13,8 +12,9 @@ use super::report::{SurfaceFit, SurfaceReport};
 use super::runs::{Outcome, Runs, share_within};
 use super::tolerance::fit_to_tolerance;
 use super::{ActiveSurface, InitialSurface};
+use super::{given, held};
 use crate::cloud_kind::{CloudKind, cloud_kind, measurable};
-use crate::coverage_surface::{SurfaceCoverage, noise_of};
+use crate::coverage_surface::{PieceWithData, SurfaceCoverage, noise_of};
 use crate::iterate::{Progress, no_progress};
 use crate::polish::may_vanish;
 use crate::report::status_within;
@@ -235,7 +235,14 @@ pub(super) fn concluded(
     let (coverage, trim) = if options.coverage && !local.is_empty() {
         let noise = noise_of(frames.iter().map(|f| f.distance.abs()).collect());
         let outliers = options.fit.robust != Robust::None;
-        let found = SurfaceCoverage::up_to_data(&surface, local, noise, options.abs_tolerance, outliers)?;
+        let found = if options.holds_some() {
+            // Sides that are given are there without points.
+            let data = held::with_sides(local, &surface, options.held)?;
+            let coverage = SurfaceCoverage::of_surface(&surface, &data, noise, options.abs_tolerance)?;
+            PieceWithData { coverage, trim: None, opened: None }
+        } else {
+            SurfaceCoverage::up_to_data(&surface, local, noise, options.abs_tolerance, outliers)?
+        };
         if let Some(opened) = found.opened {
             // Feet keep their places; their parameters are those of the surface that is left.
             surface = opened;

@@ -11,6 +11,7 @@ mod fit;
 mod fold_bounds;
 mod folds;
 pub(crate) mod given;
+mod held;
 mod initial;
 mod judge;
 mod options;

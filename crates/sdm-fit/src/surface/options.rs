@@ -23,8 +23,10 @@ pub struct SurfaceOptions {
     pub share: f64,
     /// Most control points (not counting repetitions); default 10 000.
     pub max_controls: usize,
-    /// Whether the control points on open edges of the start stay where they are; default not.
-    pub fixed_boundary: bool,
+    /// How many rows of control points stay where they are at each open side of the start, in the order of
+    /// [`Side::ALL`](nurbs_core::construct::Side::ALL): one keeps the boundary curve, two the tangent planes along it, too; default none. Knots are
+    /// then not removed, and the sides count as data for the coverage.
+    pub held: [usize; 4],
     /// Whether weights are unknowns, too, so that cylinders, spheres, other quadrics and tori are exact; default not. Boundaries
     /// are free then.
     pub rational: bool,
@@ -48,7 +50,7 @@ impl Default for SurfaceOptions {
             abs_tolerance: None,
             share: 1.0,
             max_controls: 10_000,
-            fixed_boundary: false,
+            held: [0; 4],
             rational: false,
             unfoldings: 6,
             exact: true,
@@ -85,8 +87,8 @@ impl SurfaceOptions {
         with_share(share: f64);
         /// The same options with another cap on the control points.
         with_max_controls(max_controls: usize);
-        /// The same options with a boundary that stays or moves.
-        with_fixed_boundary(fixed_boundary: bool);
+        /// The same options with other rows of control points that stay.
+        with_held(held: [usize; 4]);
         /// The same options with or without weights.
         with_rational(rational: bool);
         /// The same options with another number of attempts at folds.
@@ -97,6 +99,17 @@ impl SurfaceOptions {
         with_coverage(coverage: bool);
         /// The same options for the loop.
         with_fit(fit: FitOptions);
+    }
+
+    /// The same options with a boundary that stays or moves.
+    #[must_use]
+    pub fn with_fixed_boundary(self, fixed: bool) -> Self {
+        self.with_held([usize::from(fixed); 4])
+    }
+
+    /// Whether some control points stay.
+    pub(super) fn holds_some(&self) -> bool {
+        self.held.iter().any(|rows| *rows > 0)
     }
 
     pub(crate) fn check(&self) -> Result<(), Error> {

@@ -118,7 +118,7 @@ impl<'a> Runs<'a> {
 
     /// What the control points must keep to.
     fn constraints(&self, shape: &ActiveSurface) -> Constraints<3> {
-        let held = if self.options.fixed_boundary { shape.boundary() } else { Vec::new() };
+        let held = shape.rows_at_sides(self.options.held);
         held.into_iter().fold(Constraints::none(), |all, k| all.with_held(k, shape.coefficients()[k]))
     }
 

@@ -47,8 +47,8 @@ pub(super) fn fit_to_tolerance(
         outcome = better(best, outcome, runs);
     }
     let knots_were_inserted = runs.count > 1;
-    // They were in rows; some carry nothing.
-    if knots_were_inserted && outcome.is_good(options) {
+    // They were in rows; some carry nothing. Where sides are held they stay: to remove one moves the sides, too.
+    if knots_were_inserted && !options.holds_some() && outcome.is_good(options) {
         for share in REMOVALS {
             if outcome.is_cancelled() {
                 break;

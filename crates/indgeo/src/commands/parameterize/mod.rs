@@ -3,6 +3,7 @@
 pub(crate) mod job;
 pub(crate) mod patch;
 pub(crate) mod summary;
+pub(crate) mod within;
 
 use self::job::Job;
 use self::patch::DomainChoice;
@@ -15,7 +16,9 @@ use crate::on_surface::MetricChoice;
 use crate::output::Format;
 use crate::report::{Outcome, Report};
 use clap::ValueEnum;
-use industrial_geometry::cloud_param::{DirectedWeight, FitOptions, ParameteriseOptions, Shape};
+use industrial_geometry::cloud_param::{
+    DirectedWeight, FitOptions, ParameteriseOptions, RefineOptions, Shape,
+};
 use std::path::{Path, PathBuf};
 
 /// Find a base surface and parameters for POINTS, or parameters of a patch of a mesh
@@ -67,6 +70,10 @@ pub(crate) struct Args {
     /// Which points count when samples are drawn to the points
     #[arg(long, value_enum, default_value_t = WeightChoice::NearAxis)]
     weight: WeightChoice,
+    /// Within the four curves in FILE (NURBS JSON, STEP or IGES; any order and direction): the dynamic base surface from their Coons patch, whose
+    /// boundary is exactly these curves
+    #[arg(long, value_name = "CURVES", conflicts_with_all = ["fit", "axis", "views", "shape", "metric"])]
+    boundary: Option<PathBuf>,
     /// Lay the triangles of a mesh with one boundary over a domain, with lengths measured so
     #[arg(long, value_enum, conflicts_with_all = OF_CLOUDS)]
     metric: Option<MetricChoice>,
@@ -140,6 +147,7 @@ Examples:
   indgeo parameterize scan.ply -o base.json --params uv.csv
   indgeo parameterize scan.ply -o base.json --shape cylinder --axis 0,0,1 --json report.json
   indgeo parameterize scan.ply --fit surface.json --control-points 55x55
+  indgeo parameterize scan.ply --boundary curves.json -o base.json --params uv.csv
   indgeo parameterize patch.ply --metric feature --w 0.5 --params uv.csv --picture lines.svg";
 
 fn parse_corners(text: &str) -> Result<[usize; 4], String> {
@@ -167,7 +175,8 @@ impl Args {
     /// The files that are read, and those that are written.
     pub(crate) fn files(&self) -> (Vec<&Path>, Vec<PathBuf>) {
         let written = [&self.out, &self.params, &self.fit, &self.picture];
-        (vec![&self.points], written.into_iter().flatten().cloned().collect())
+        let read = std::iter::once(self.points.as_path()).chain(self.boundary.as_deref());
+        (read.collect(), written.into_iter().flatten().cloned().collect())
     }
 
     fn options(&self) -> ParameteriseOptions {
@@ -232,6 +241,20 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
             "nothing would be written",
             "add -o BASE.json, --params UV.csv, --fit FITTED.json or --json FILE",
         ));
+    }
+    if let Some(boundary) = &args.boundary {
+        let options = args.options();
+        let job = within::Job {
+            points: &args.points,
+            boundary,
+            base: args.out.as_deref(),
+            params: args.params.as_deref(),
+            format: args.format,
+            grid: args.grid,
+            options: RefineOptions { directed: options.refine.directed, ..RefineOptions::default() },
+        };
+        let verdict = within::run(&job, report)?;
+        return Ok(verdict.outcome(report.summary()));
     }
     let mut fit = FitOptions::default();
     fit.control_points = args.control_points.unwrap_or(fit.control_points);

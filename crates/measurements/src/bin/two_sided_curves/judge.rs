@@ -97,22 +97,53 @@ impl Cells {
     }
 }
 
+/// How far curves and the truth are apart: the places of the curves furthest from the truth or the points, and of the truth from the curves.
+pub(crate) struct Apart {
+    beyond: (f64, Vector2<f64>),
+    missing: (f64, Vector2<f64>),
+    pub(crate) allowed: f64,
+}
+
+impl Apart {
+    /// In both directions.
+    pub(crate) fn most(&self) -> f64 {
+        self.beyond.0.max(self.missing.0)
+    }
+}
+
+impl std::fmt::Display for Apart {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let [(beyond, a), (missing, b)] = [self.beyond, self.missing];
+        write!(
+            f,
+            "curve {beyond:.3} off at ({:.2}, {:.2}), truth {missing:.3} off at ({:.2}, {:.2}), of {:.3}",
+            a.x, a.y, b.x, b.y, self.allowed
+        )
+    }
+}
+
 /// The largest distance between fitted curves and the truth, in both directions, and what is allowed.
 ///
 /// The curve may be near the truth or near the points: where parts of the truth cross or run into each other, points of one are near the other.
 ///
 /// Allowed are three spacings of the points or three standard deviations of the noise; where random points happen to leave a larger hole, as far as the
-/// truth in it is from them.
-pub(crate) fn distance(truth: &Truth, points: &[Vector2<f64>], sigma: f64, fitted: &[Spline]) -> [f64; 2] {
+/// truth in it is from them, and three standard deviations, by which the last of them may be off.
+pub(crate) fn distance(truth: &Truth, points: &[Vector2<f64>], sigma: f64, fitted: &[Spline]) -> Apart {
     let spacing = truth.length() / points.len() as f64;
     let cell = (0.02 * truth.size()).max(2.0 * spacing);
     let all = || truth.pieces.iter().flatten().copied();
     let data = Cells::new(points.iter().copied(), cell);
     let widest = all().map(|p| data.distance(&p)).fold(0.0, f64::max);
-    let allowed = (NEAR * sigma).max(NEAR * spacing).max(widest);
+    let allowed = (NEAR * sigma).max(NEAR * spacing).max(widest + NEAR * sigma);
     let found: Vec<Vector2<f64>> = fitted.iter().flat_map(|s| s.places(allowed / PER_ALLOWED)).collect();
     let (truths, curves) = (Cells::new(all(), cell), Cells::new(found.iter().copied(), cell));
-    let there = found.iter().map(|p| truths.distance(p).min(data.distance(p))).fold(0.0, f64::max);
-    let back = all().map(|p| curves.distance(&p)).fold(0.0, f64::max);
-    [there.max(back), allowed]
+    Apart {
+        beyond: farthest(found.iter().map(|p| (truths.distance(p).min(data.distance(p)), *p))),
+        missing: farthest(all().map(|p| (curves.distance(&p), p))),
+        allowed,
+    }
+}
+
+fn farthest(places: impl Iterator<Item = (f64, Vector2<f64>)>) -> (f64, Vector2<f64>) {
+    places.fold((0.0, Vector2::zeros()), |most, one| if one.0 > most.0 { one } else { most })
 }

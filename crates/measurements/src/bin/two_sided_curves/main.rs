@@ -109,11 +109,12 @@ fn runs(truth: &Truth, setting: Setting, seeds: u64) -> (Tally, f64, f64) {
         let (fine, claimed, report) = match &fitted {
             Ok(parts) => {
                 let splines: Vec<Spline> = parts.iter().map(spline).collect();
-                let [off, allowed] = judge::distance(truth, &own, sigma, &splines);
-                worst = worst.max(off / allowed);
+                let apart = judge::distance(truth, &own, sigma, &splines);
+                let off = apart.most() / apart.allowed;
+                worst = worst.max(off);
                 let claimed = parts.iter().all(|p| p.fit.report.covered && p.fit.report.is_converged());
                 let reports: Vec<String> = parts.iter().map(|p| p.fit.report.to_string()).collect();
-                (off <= allowed, claimed, format!("off by {off} of {allowed}: {}", reports.join("; ")))
+                (off <= 1.0, claimed, format!("{apart}: {}", reports.join("; ")))
             }
             Err(error) => (false, false, error.to_string()),
         };
