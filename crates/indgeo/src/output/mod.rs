@@ -5,6 +5,7 @@ mod cloud;
 mod columns;
 mod csv;
 mod deviations;
+pub(crate) mod html;
 mod json;
 mod parameters;
 pub(crate) mod partials;

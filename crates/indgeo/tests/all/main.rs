@@ -16,6 +16,7 @@ mod exit_status;
 mod field;
 mod files;
 mod fit_curve;
+mod fit_edges;
 mod fit_ruled;
 mod fit_subdivision;
 mod fit_surface;

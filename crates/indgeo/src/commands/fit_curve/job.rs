@@ -1,6 +1,6 @@
 //! The fit of a curve: read, fit, write.
 
-use crate::commands::fit_curve::evolution;
+use crate::commands::fit_curve::{evolution, page};
 use crate::error::Error;
 use crate::files;
 use crate::fits::input::{check_paths, put_model, warn_dropped};
@@ -39,6 +39,8 @@ pub(crate) struct Job<'a> {
     pub(crate) out: Option<&'a Path>,
     /// File of the footpoints.
     pub(crate) feet: Option<&'a Path>,
+    /// File of the page.
+    pub(crate) page: Option<&'a Path>,
     /// File of the history.
     pub(crate) history: Option<&'a Path>,
     /// File of the drawing.
@@ -70,7 +72,8 @@ enum Start {
 /// Does the job and fills in the report; returns whether the curve is what was asked for.
 pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Error> {
     let inputs: Vec<&Path> = std::iter::once(job.points).chain(job.init).collect();
-    let outputs: Vec<&Path> = [job.out, job.feet, job.history, job.evolution].into_iter().flatten().collect();
+    let outputs: Vec<&Path> =
+        [job.out, job.feet, job.page, job.history, job.evolution].into_iter().flatten().collect();
     check_paths(&inputs, &outputs)?;
     if let Some(sensors) = job.sensors {
         let content = cad_shapes::read(job.points, "model", report)?;
@@ -241,7 +244,11 @@ where
     report.count_points("points", fitted.dropped, fitted.used);
     let verdict = FitVerdict::of(fitted.status, fitted.reached).without(!fitted.covered);
     let parts = if reports.len() > 1 { reports } else { Vec::new() };
-    report.results = Some(Box::new(CurveResults { fitted, parts }));
+    let results = CurveResults { fitted, parts };
+    if let Some(path) = job.page {
+        page::put(job, path, (points, &found), &results, verdict, report)?;
+    }
+    report.results = Some(Box::new(results));
     Ok(verdict)
 }
 
@@ -342,14 +349,23 @@ fn put(path: &Path, text: &str, content: &str, report: &mut Report) -> Result<()
     Ok(())
 }
 
-/// One line per point; empty cells where there is no foot.
-fn feet<const D: usize>(points: &[SVector<f64, D>], found: &[CurvePart<D>]) -> String {
-    let mut feet: Vec<Option<(PointFoot<D>, usize)>> = vec![None; points.len()];
+/// The foot of each point, and the curve that it is on.
+pub(crate) fn feet_of<const D: usize>(
+    count: usize,
+    found: &[CurvePart<D>],
+) -> Vec<Option<(PointFoot<D>, usize)>> {
+    let mut feet = vec![None; count];
     for (k, part) in found.iter().enumerate() {
         for (&i, foot) in part.points.iter().zip(&part.fit.feet) {
             feet[i] = Some((*foot, k));
         }
     }
+    feet
+}
+
+/// One line per point; empty cells where there is no foot.
+fn feet<const D: usize>(points: &[SVector<f64, D>], found: &[CurvePart<D>]) -> String {
+    let feet = feet_of(points.len(), found);
     let several = found.len() > 1;
     let axes = &["x", "y", "z"][..D.min(3)];
     let header = axes.iter().map(|a| (*a).to_owned()).chain(axes.iter().map(|a| format!("foot_{a}")));

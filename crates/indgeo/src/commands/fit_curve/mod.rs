@@ -2,6 +2,7 @@
 
 pub(crate) mod evolution;
 pub(crate) mod job;
+pub(crate) mod page;
 pub(crate) mod summary;
 
 use self::job::Job;
@@ -9,6 +10,7 @@ use super::numbers;
 use crate::common::Common;
 use crate::error::Error;
 use crate::fits::arguments::LoopArgs;
+use crate::fits::page::is_page;
 use crate::output::cad::CadArgs;
 use crate::report::{Outcome, Report};
 use industrial_geometry::fit::FitOptions;
@@ -77,8 +79,9 @@ pub(crate) struct Args {
     /// Write the footpoint of every point (CSV): the point, its foot, distance and parameter
     #[arg(long, value_name = "FILE.csv")]
     points_out: Option<PathBuf>,
-    /// Write the history (CSV), one line per iteration: distance, energy factor, step, …
-    #[arg(long, value_name = "FILE.csv")]
+    /// A page (.html): the curve, the points by their distance, a curvature comb, the history; or the history alone (.csv), one line per
+    /// iteration: distance, energy factor, step, …
+    #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
     /// The evolution of the curve: drawn (SVG; space curves as seen along z), or all curves on the way as NURBS (JSON)
     #[arg(long, value_name = "FILE")]
@@ -107,7 +110,7 @@ usage; 130: interrupted.
 
 Examples:
   indgeo fit-curve section.xyz -o section.step --unit mm
-  indgeo fit-curve section.xyz -o section.json --tolerance 0.05 --points-out deviations.csv
+  indgeo fit-curve section.xyz -o section.json --tolerance 0.05 --points-out deviations.csv --report section.html
   indgeo fit-curve cloud.xyz -o curve.json --control-points 24 --open --evolution evolution.svg
   indgeo fit-curve outline.xyz --init circle.json --search -o curve.json --evolution growth.json
   indgeo fit-curve cloud.xyz --init start.json --term tangent --step-control none --report history.csv";
@@ -151,7 +154,8 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         out: args.out.as_deref(),
         cad: &args.cad,
         feet: args.points_out.as_deref(),
-        history: args.report.as_deref(),
+        page: args.report.as_deref().filter(|path| is_page(path)),
+        history: args.report.as_deref().filter(|path| !is_page(path)),
         evolution: args.evolution.as_deref(),
         options: args.options(),
         quiet: common.quiet,

@@ -6,6 +6,9 @@ use crate::fits::input::{
     Scan, check_paths, put_model, start_surface, warn_dropped, warn_incomplete, warn_undetermined,
 };
 use crate::fits::numbers::{FitNumbers, FitVerdict, Within, told};
+use crate::fits::page::{
+    FitPage, IsoCurves, SurfaceSections, coverage_facts, number_facts, surface_sections,
+};
 use crate::output::cad::CadArgs;
 use crate::report::wording::counted;
 use crate::report::{Report, Timings};
@@ -16,6 +19,7 @@ use industrial_geometry::fit::ruled::{
 use industrial_geometry::fit::{
     BaseShape, Error as FitError, FitStep, Folds, SurfaceCoverage, SurfaceDistances,
 };
+use industrial_geometry::nurbs::BsplineSurface;
 use industrial_geometry::nurbs::nalgebra::Vector3;
 use serde::Serialize;
 use std::path::Path;
@@ -29,6 +33,8 @@ pub(crate) struct Job<'a> {
     pub(crate) init: Option<&'a Path>,
     /// File of the surface.
     pub(crate) out: Option<&'a Path>,
+    /// File of the page.
+    pub(crate) page: Option<&'a Path>,
     /// Distance of the offset that is fitted.
     pub(crate) offset: Option<f64>,
     /// Name and unit of the result.
@@ -64,7 +70,8 @@ pub(crate) struct RuledResults {
 /// Does the job and fills in the report; returns whether the surface is what was asked for.
 pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Error> {
     let inputs: Vec<&Path> = std::iter::once(job.points).chain(job.init).collect();
-    check_paths(&inputs, job.out.as_slice())?;
+    let outputs: Vec<&Path> = [job.out, job.page].into_iter().flatten().collect();
+    check_paths(&inputs, &outputs)?;
     let scan = Scan::read(job.points, true, u32::MAX, report)?;
     let start = job.init.map(|path| start_surface(path, report)).transpose()?;
     let count = scan.points.len();
@@ -98,7 +105,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Erro
     if let Some(path) = job.out {
         let [along, sections] = fitted.controls;
         let content = format!("ruled B-spline surface, {sections} sections of {along} control points");
-        put_model(path, found.fit.surface, job.cad, content, report)?;
+        put_model(path, found.fit.surface.clone(), job.cad, content, report)?;
     }
     let within = Within {
         tolerance: job.options.abs_tolerance,
@@ -113,7 +120,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Erro
     let judgement = fitted.coverage.as_ref().map(judged).unwrap_or_default();
     let unmet = judgement.warn(job.points, fit.rms, report);
     let verdict = fit.verdict().without(unmet || incomplete || folds.count() > 0);
-    report.results = Some(Box::new(RuledResults {
+    let results = RuledResults {
         fit,
         base: found.base,
         control_points: fitted.controls,
@@ -122,8 +129,41 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Erro
         folds,
         coverage: fitted.coverage,
         gouging,
-    }));
+    };
+    if let Some(path) = job.page {
+        put_page(job, path, (&points, &found.fit.surface), &results, verdict, report)?;
+    }
+    report.results = Some(Box::new(results));
     Ok(verdict)
+}
+
+fn put_page(
+    job: &Job<'_>,
+    path: &Path,
+    (points, surface): (&[Vector3<f64>], &BsplineSurface),
+    results: &RuledResults,
+    verdict: FitVerdict,
+    report: &mut Report,
+) -> Result<(), Error> {
+    let fit = &results.fit;
+    let scene = SurfaceSections { points, tolerance: fit.tolerance, max: fit.max };
+    let [along, sections] = results.control_points;
+    let mut facts = vec![("control points".to_owned(), format!("{sections} sections of {along}"))];
+    facts.extend(number_facts(fit));
+    facts.extend(coverage_facts(results.coverage.as_ref(), Some(&results.folds)));
+    facts.push(("angle between normals along rulings".to_owned(), results.developability.to_string()));
+    let page = FitPage {
+        source: job.points,
+        shape: "ruled B-spline surface".to_owned(),
+        verdict,
+        rms: fit.rms,
+        max: fit.max,
+        used: fit.points_used,
+        pictures: surface_sections(&scene, surface, None, IsoCurves::OfU),
+        facts,
+        history: &fit.history,
+    };
+    page.write(path, results, report)
 }
 
 /// The points of the offset, and how many are left out because they lie too deep.

@@ -9,6 +9,7 @@ use super::numbers;
 use crate::common::Common;
 use crate::error::Error;
 use crate::fits::arguments::LoopArgs;
+use crate::fits::page;
 use crate::output::cad::CadArgs;
 use crate::report::{Outcome, Report};
 use clap::ValueEnum;
@@ -77,6 +78,9 @@ pub(crate) struct Args {
     /// Penalise twisted rulings: LENGTH counts like an angle of one radian between the normals at the ends of a ruling; begin small
     #[arg(long, value_name = "LENGTH", default_value_t = 0.0, value_parser = numbers::not_negative)]
     developable: f64,
+    /// A page (.html): the surface with its rulings, the points by their distance, zebra stripes, the history
+    #[arg(long, value_name = "PAGE.html")]
+    report: Option<PathBuf>,
     #[command(flatten)]
     cad: CadArgs,
     #[command(flatten)]
@@ -120,6 +124,7 @@ nevertheless); 2: bad input or usage; 130: interrupted.
 Examples:
   indgeo fit-ruled blade.ply -o flank.json --control-points 20x2
   indgeo fit-ruled vase.xyz -o layers.json --control-points 25x7 --level
+  indgeo fit-ruled blade.ply -o flank.json --report flank.html
   indgeo fit-ruled vase.xyz -o layers.step --tolerance 0.1 --level=0,0,1 --unit mm
   indgeo fit-ruled surface.json -o axis.json --control-points 25x7 --offset 5
   indgeo inspect layers.json vase.xyz --tolerance 0.1 --report report.html";
@@ -128,7 +133,7 @@ impl Args {
     /// The files that are read, and those that are written.
     pub(crate) fn files(&self) -> (Vec<&Path>, Vec<PathBuf>) {
         let read = std::iter::once(self.points.as_path()).chain(self.init.as_deref());
-        (read.collect(), self.out.iter().cloned().collect())
+        (read.collect(), self.out.iter().chain(&self.report).cloned().collect())
     }
 
     fn options(&self) -> RuledCloudOptions {
@@ -161,12 +166,14 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         points: &args.points,
         init: args.init.as_deref(),
         out: args.out.as_deref(),
+        page: args.report.as_deref(),
         cad: &args.cad,
         offset: args.offset,
         options: args.options(),
         quiet: common.quiet,
     };
-    common.something_written(args.out.is_some(), "-o OUT")?;
+    common.something_written(!args.files().1.is_empty(), "-o OUT")?;
+    page::check(args.report.as_deref())?;
     args.cad.check(args.out.as_deref())?;
     let verdict = job::run(&job, report)?;
     Ok(verdict.outcome(report.summary()))

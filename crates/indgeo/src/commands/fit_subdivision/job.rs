@@ -4,6 +4,7 @@ use crate::error::Error;
 use crate::files;
 use crate::fits::input::{Scan, check_paths, warn_dropped, warn_incomplete};
 use crate::fits::numbers::{FitNumbers, FitVerdict, Within, told};
+use crate::fits::page::{FitPage, SurfaceSections, coverage_facts, mesh_sections, number_facts};
 use crate::input::field_model;
 use crate::report::wording::counted;
 use crate::report::{Input, Output, Report, Timings};
@@ -21,6 +22,8 @@ use std::path::Path;
 /// Vertices of a control mesh that nobody chose: a share of those of the mesh, and limits.
 const SHARE: usize = 10;
 const LIMITS: [usize; 2] = [12, 1000];
+/// Subdivisions of the surface that is drawn.
+const DRAWN: u8 = 3;
 
 /// What is to be done.
 #[derive(Debug)]
@@ -31,6 +34,8 @@ pub(crate) struct Job<'a> {
     pub(crate) init: Option<&'a Path>,
     /// File of the control mesh.
     pub(crate) out: Option<&'a Path>,
+    /// File of the page.
+    pub(crate) page: Option<&'a Path>,
     /// Format of both, if not that of the extension.
     pub(crate) format: Option<Format>,
     /// File of the limit surface, and how often it is subdivided.
@@ -70,7 +75,8 @@ pub(crate) struct SubdivisionResults {
 /// Does the job and fills in the report; returns whether the surface is what was asked for.
 pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Error> {
     let inputs: Vec<&Path> = std::iter::once(job.points).chain(job.init).collect();
-    let outputs: Vec<&Path> = job.out.into_iter().chain(job.limit.map(|(path, _)| path)).collect();
+    let limit_path = job.limit.map(|(path, _)| path);
+    let outputs: Vec<&Path> = [job.out, limit_path, job.page].into_iter().flatten().collect();
     check_paths(&inputs, &outputs)?;
     let scan = Scan::read(job.points, false, u32::MAX, report)?;
     let points: Vec<Vector3<f64>> =
@@ -151,7 +157,7 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Erro
         ));
     }
     let verdict = fit.verdict().without(folded || incomplete || apart > 0);
-    report.results = Some(Box::new(SubdivisionResults {
+    let results = SubdivisionResults {
         triangles: found.mesh.triangles().len(),
         irregular: (0u32..).take(vertices).filter(irregular).count(),
         vertices,
@@ -160,8 +166,46 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Erro
         folded_edges_of_input,
         coverage,
         fit,
-    }));
+    };
+    if let Some(path) = job.page {
+        let mesh = limit(&found.mesh, DRAWN).map_err(|source| broken(job.points, source))?;
+        let scene = SurfaceSections { points: &points, tolerance: job.tolerance, max: results.fit.max };
+        let pictures = mesh_sections(&scene, &mesh, &distances);
+        put_page(job, path, pictures, &results, verdict, report)?;
+    }
+    report.results = Some(Box::new(results));
     Ok(verdict)
+}
+
+fn put_page(
+    job: &Job<'_>,
+    path: &Path,
+    pictures: String,
+    results: &SubdivisionResults,
+    verdict: FitVerdict,
+    report: &mut Report,
+) -> Result<(), Error> {
+    let fit = &results.fit;
+    let mut facts = vec![
+        ("vertices of the control mesh".to_owned(), results.vertices.to_string()),
+        ("of them irregular".to_owned(), results.irregular.to_string()),
+        ("triangles".to_owned(), results.triangles.to_string()),
+    ];
+    facts.extend(number_facts(fit));
+    facts.extend(coverage_facts(results.coverage.as_ref(), None));
+    facts.push(("folded edges of the limit surface".to_owned(), results.folded_edges.limit.to_string()));
+    let page = FitPage {
+        source: job.points,
+        shape: "Loop subdivision surface".to_owned(),
+        verdict,
+        rms: fit.rms,
+        max: fit.max,
+        used: fit.points_used,
+        pictures,
+        facts,
+        history: &fit.history,
+    };
+    page.write(path, results, report)
 }
 
 /// The control mesh of a file.

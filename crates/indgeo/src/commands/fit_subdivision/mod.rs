@@ -8,6 +8,7 @@ use super::numbers;
 use crate::common::Common;
 use crate::error::Error;
 use crate::fits::arguments::LoopArgs;
+use crate::fits::page;
 use crate::report::{Outcome, Report};
 use industrial_geometry::fit::subdivision::subdivision_options;
 use industrial_geometry::io::Format;
@@ -45,6 +46,9 @@ pub(crate) struct Args {
     /// Largest distance of a point that is wanted, in the units of the file
     #[arg(long, value_name = "T", value_parser = numbers::length)]
     tolerance: Option<f64>,
+    /// A page (.html): the limit surface, the points by their distance, zebra stripes, the history
+    #[arg(long, value_name = "PAGE.html")]
+    report: Option<PathBuf>,
     #[command(flatten)]
     iteration: LoopArgs,
 }
@@ -76,13 +80,14 @@ nevertheless); 2: bad input or usage; 130: interrupted.
 Examples:
   indgeo fit-subdivision scan.ply -o control.obj --vertices 300
   indgeo fit-subdivision scan.ply -o control.obj --limit smooth.ply --levels 3
+  indgeo fit-subdivision scan.ply -o control.obj --report control.html
   indgeo fit-subdivision cloud.xyz --init box.obj -o control.obj --tolerance 0.1";
 
 impl Args {
     /// The files that are read, and those that are written.
     pub(crate) fn files(&self) -> (Vec<&Path>, Vec<PathBuf>) {
         let read = std::iter::once(self.points.as_path()).chain(self.init.as_deref());
-        (read.collect(), [&self.out, &self.limit].into_iter().flatten().cloned().collect())
+        (read.collect(), [&self.out, &self.limit, &self.report].into_iter().flatten().cloned().collect())
     }
 }
 
@@ -92,6 +97,7 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         points: &args.points,
         init: args.init.as_deref(),
         out: args.out.as_deref(),
+        page: args.report.as_deref(),
         format: args.format,
         limit: args.limit.as_deref().map(|path| (path, args.levels)),
         vertices: args.vertices,
@@ -100,6 +106,7 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         quiet: common.quiet,
     };
     common.something_written(!args.files().1.is_empty(), "-o OUT.obj")?;
+    page::check(args.report.as_deref())?;
     let verdict = job::run(&job, report)?;
     Ok(verdict.outcome(report.summary()))
 }

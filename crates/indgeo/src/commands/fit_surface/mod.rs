@@ -1,6 +1,7 @@
 //! `indgeo fit-surface`: a B-spline surface through a scan.
 
 pub(crate) mod conclusion;
+pub(crate) mod edges;
 pub(crate) mod finish;
 pub(crate) mod job;
 pub(crate) mod judgement;
@@ -8,11 +9,13 @@ pub(crate) mod start;
 pub(crate) mod summary;
 pub(crate) mod to_model;
 
+use self::edges::{ContinuityChoice, Edges};
 use self::job::Job;
 use super::numbers;
 use crate::common::Common;
 use crate::error::Error;
 use crate::fits::arguments::LoopArgs;
+use crate::fits::page;
 use crate::input::sampling;
 use crate::output::cad::CadArgs;
 use crate::report::{Outcome, Report};
@@ -75,9 +78,22 @@ pub(crate) struct Args {
     /// Keep the control points on the open edges of the start
     #[arg(long)]
     fixed_boundary: bool,
+    /// Fit within the four curves in FILE (NURBS JSON, STEP or IGES; any order and direction): their Coons patch is the start, and the surface has
+    /// exactly this boundary
+    #[arg(long, value_name = "CURVES", conflicts_with_all = ["init", "model", "rational", "shape"])]
+    boundary: Option<PathBuf>,
+    /// Continue the surfaces in FILE across their nearest edges; may be given several times
+    #[arg(long, value_name = "SURFACE", conflicts_with_all = ["model", "rational"])]
+    join: Vec<PathBuf>,
+    /// How surfaces are continued
+    #[arg(long, value_enum, requires = "join", default_value_t = ContinuityChoice::G1)]
+    continuity: ContinuityChoice,
     /// Let weights be unknowns, too: cylinders, spheres and other quadrics are exact (no boundary is kept then)
     #[arg(long, conflicts_with = "fixed_boundary")]
     rational: bool,
+    /// A page (.html): the surface with iso-curves, the points by their distance, zebra stripes, the history
+    #[arg(long, value_name = "PAGE.html")]
+    report: Option<PathBuf>,
     #[command(flatten)]
     cad: CadArgs,
     #[command(flatten)]
@@ -104,11 +120,12 @@ cylinder, sphere or torus: what the first parameters were taken from), `start` (
 squares surface were, before the distances were minimised), `control_points`, `share_within` and `within_tolerance` (with a
 tolerance), `folds` (cells in which the surface folds back on itself), `coverage` (how near every part of the surface is to the points:
 `rms`, `max`, `area_without_data`, in units and in spacings), `trim_loops` (loops in (u, v), in the output, that bound an open surface where the data end, if
-their outline is no rectangle), `points_dropped` (points that are not finite). `max` and `share_within` are
+their outline is no rectangle), `edges` (with --boundary or --join: how far the surface is from the curves and edges, and the angle between tangent
+planes), `points_dropped` (points that are not finite). `max` and `share_within` are
 those of all finite points, whether they were used or not.
 
 Exit status 0: the tolerance holds, or, without one, the iteration converged, and every part of the surface is near points; 1: it does not
-hold, the iteration did not converge, or the surface folds, does not follow the points, leaves some of them out, has parts farther from
+hold, the iteration did not converge, the boundary curves or neighbours are not met, or the surface folds, does not follow the points, leaves some of them out, has parts farther from
 all points than 2.5 times their spacing (3 times noise or tolerance) within its loops, or the points are of no kind that is known (the surface is
 written nevertheless); 2: bad input or usage, as points that are not of the kind that was asked for, or not one surface; 130:
 interrupted.
@@ -118,6 +135,9 @@ Examples:
   indgeo fit-surface tube.xyz -o tube.json --control-points 30x30 --shape cylinder
   indgeo fit-surface scan.ply -o better.json --init rough.json --outliers automatic
   indgeo fit-surface --model part.stl -o part.json --control-points 5x8
+  indgeo fit-surface scan.ply -o surface.json --report surface.html
+  indgeo fit-surface scan.ply -o patch.step --boundary curves.step --unit mm
+  indgeo fit-surface gap.ply -o blend.step --join left.step --join right.step --continuity g1 --unit mm
   indgeo inspect surface.json scan.ply --tolerance 0.05 --report report.html";
 
 /// Two counts: `30x20` (or `30,20`), or one for both.
@@ -135,8 +155,9 @@ pub(super) fn parse_pair(text: &str) -> Result<[usize; 2], String> {
 impl Args {
     /// The files that are read, and those that are written.
     pub(crate) fn files(&self) -> (Vec<&Path>, Vec<PathBuf>) {
-        let read = self.points.iter().chain(&self.model).chain(&self.init).map(PathBuf::as_path);
-        (read.collect(), self.out.iter().cloned().collect())
+        let read = self.points.iter().chain(&self.model).chain(&self.init);
+        let read = read.chain(&self.boundary).chain(&self.join).map(PathBuf::as_path);
+        (read.collect(), self.out.iter().chain(&self.report).cloned().collect())
     }
 
     fn options(&self) -> SurfaceOptions {
@@ -162,7 +183,8 @@ impl Args {
 
 /// Runs the command.
 pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<Outcome, Error> {
-    common.something_written(args.out.is_some(), "-o OUT")?;
+    common.something_written(!args.files().1.is_empty(), "-o OUT")?;
+    page::check(args.report.as_deref())?;
     args.cad.check(args.out.as_deref())?;
     // One of them is there: the arguments say so.
     let Some(points) = args.points.as_deref().or(args.model.as_deref()) else {
@@ -172,8 +194,10 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
         points,
         sample: args.sample,
         init: args.init.as_deref(),
+        edges: Edges { boundary: args.boundary.as_deref(), join: &args.join, continuity: args.continuity },
         controls: args.controls,
         out: args.out.as_deref(),
+        page: args.report.as_deref(),
         cad: &args.cad,
         options: args.options(),
         quiet: common.quiet,

@@ -38,6 +38,21 @@ impl Results for SurfaceResults {
         }
         write_distances(text, fit)?;
         write_coverage(text, results.coverage.as_ref())?;
+        if let Some(edges) = &results.edges {
+            if let Some(gap) = edges.boundary_gap {
+                writeln!(text, "  boundary  up to {} from the curves", plain(gap))?;
+            }
+            for join in &edges.joins {
+                writeln!(
+                    text,
+                    "  joined    {}: gap {}, angle {} rad, at {}",
+                    join.file.display(),
+                    plain(join.gap),
+                    plain(join.angle),
+                    join.side
+                )?;
+            }
+        }
         write_folds(text, &results.folds)?;
         write_end(text, report)
     }

@@ -1,6 +1,6 @@
 //! The fit of a surface to a model: read, fit, write.
 
-use crate::commands::fit_surface::job::{Job, SurfaceResults, put_surface, refused};
+use crate::commands::fit_surface::job::{Job, SurfaceResults, put_page, put_surface, refused};
 use crate::commands::fit_surface::judgement::Judgement;
 use crate::commands::fit_surface::start::{Refusal, from_cloud};
 use crate::commands::register::field::RegistrationField;
@@ -20,7 +20,7 @@ use std::path::Path;
 /// Does the job and fills in the report; returns whether surface and model are near to each other.
 pub(crate) fn run(job: &Job<'_>, sensors: usize, report: &mut Report) -> Result<FitVerdict, Error> {
     let inputs: Vec<&Path> = std::iter::once(job.points).chain(job.init).collect();
-    check_paths(&inputs, job.out.as_slice())?;
+    check_paths(&inputs, &job.outputs())?;
     let mut warnings = Vec::new();
     let read = Timings::measure(&mut report.timings.read, || {
         RegistrationModel::read(job.points, &Choice::default(), &mut warnings)
@@ -73,15 +73,18 @@ pub(crate) fn run(job: &Job<'_>, sensors: usize, report: &mut Report) -> Result<
     let incomplete = warn_incomplete(fitted.coverage.as_ref(), report);
     let fit = FitNumbers::new(fitted.fit, 0, 0, Within::default());
     let verdict = fit.verdict().without(unmet || incomplete || fitted.folds.count() > 0);
-    report.results = Some(Box::new(SurfaceResults {
+    let results = SurfaceResults {
         fit,
         base: fitted.base,
         start: None,
         control_points: fitted.controls,
         runs: fitted.runs,
+        edges: None,
         folds: fitted.folds,
         coverage: fitted.coverage,
-        trim_loops: fitted.trim.map_or(0, |trim| trim.loops().len()),
-    }));
+        trim_loops: fitted.trim.as_ref().map_or(0, |trim| trim.loops().len()),
+    };
+    put_page(job, &samples, (&surface, fitted.trim.as_ref()), &results, verdict, report)?;
+    report.results = Some(Box::new(results));
     Ok(verdict)
 }

@@ -1,10 +1,9 @@
 //! One self-contained HTML page of a registration: before and after, residuals, overlap, and the uncertainty of the pose.
-//!
-//! It uses the style of the page of an inspection. The pictures are SVG, the policy of the page forbids scripts and the network.
 
 use crate::commands::register::field::RegistrationField;
 use crate::commands::register::results::{RegistrationResults, TransformFile};
-use industrial_geometry::inspection::html::{CSS, escape, json_in_script, number};
+use crate::output::html::{HtmlPage, note, section, swatch, table};
+use industrial_geometry::inspection::html::number;
 use industrial_geometry::mesh::nalgebra::{Matrix2, Matrix3, SMatrix, SymmetricEigen, Vector2, Vector3};
 use industrial_geometry::nurbs::Aabb;
 use industrial_geometry::register::Pose;
@@ -48,13 +47,8 @@ struct Layer {
 /// Writes the page.
 pub(crate) fn write(out: &mut dyn Write, page: &Page<'_>) -> io::Result<()> {
     let motion = &page.results.transform;
-    let (passes, verdict) = if motion.status == "converged" {
-        ("pass", "✓ CONVERGED")
-    } else {
-        ("fail", "✗ NOT TO BE TRUSTED")
-    };
-    let title = escape(&format!("Registration of {}", page.points_name));
-    let sentence = escape(&format!("{} moved to {}", page.points_name, page.model_name));
+    let (passes, verdict) =
+        if motion.status == "converged" { (true, "CONVERGED") } else { (false, "NOT TO BE TRUSTED") };
     let (picked, shown) = picked(page.points);
     let before = Layer { colour: BEFORE, points: picked.iter().map(|x| page.start.apply(x)).collect() };
     let model = || Layer { colour: MODEL, points: page.model.to_vec() };
@@ -64,46 +58,29 @@ pub(crate) fn write(out: &mut dyn Write, page: &Page<'_>) -> io::Result<()> {
     let mut after = vec![model()];
     after.extend(by_residual(&moved, &distances, limit));
     let corners = corner_errors(motion, &moved);
-    let json = serde_json::to_string(page.results)?;
-    write!(
-        out,
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\">\n\
-         <meta name=\"generator\" content=\"indgeo {}\">\n<title>{title}</title>\n<style>\n{CSS}\n\
-         .views {{ display: flex; flex-wrap: wrap; gap: 12px; }} .views svg {{ border: 1px solid var(--line); background: #fff; }}\n\
-         </style>\n</head>\n<body>\n<header>\n<h1>{title}</h1>\n<span class=\"verdict {passes}\">{verdict}</span>\n\
-         <span>{}</span>\n<p>{sentence}</p>\n</header>\n<main>\n<div>\n",
-        env!("CARGO_PKG_VERSION"),
-        escape(&headline(motion)),
-    )?;
-    write!(out, "<section>\n<h2>Before</h2>\n{}</section>\n", views(&[model(), before], &[]))?;
-    write!(
-        out,
-        "<section>\n<h2>After, coloured by the distance from the model</h2>\n{}",
-        views(&after, &corners)
-    )?;
-    writeln!(out, "{}", legend(limit, &corners))?;
-    writeln!(
-        out,
-        "<p class=\"note\">{shown} of {} points are shown, and places of the model in grey. Views along z, y and x.</p>\n</section>\n</div>",
+    let shown = format!(
+        "{shown} of {} points are shown, and places of the model in grey. Views along z, y and x.",
         page.points.len()
-    )?;
-    writeln!(out, "<div>\n<section>\n<h2>Result</h2>\n{}</section>", table(&facts(page.results)))?;
+    );
+    let after = views(&after, &corners) + &legend(limit, &corners) + &note(&shown);
+    let mut right = section("Result", &table(&facts(page.results)));
     if !corners.is_empty() {
-        writeln!(
-            out,
-            "<section>\n<h2>Uncertainty at the corners of the part</h2>\n{}<p class=\"note\">One standard deviation of the position that \
-             the pose gives to each corner of the box around the moved points, along its largest axis, by the covariance of the \
-             pose.</p>\n</section>",
-            table(&corners.iter().map(Corner::row).collect::<Vec<_>>())
-        )?;
+        let rows: Vec<_> = corners.iter().map(Corner::row).collect();
+        let what = "One standard deviation of the position that the pose gives to each corner of the box around the moved points, along its \
+                    largest axis, by the covariance of the pose.";
+        right += &section("Uncertainty at the corners of the part", &(table(&rows) + &note(what)));
     }
-    write!(
-        out,
-        "</div>\n</main>\n<script type=\"application/json\" id=\"report\">{}</script>\n</body>\n</html>\n",
-        json_in_script(&json)
-    )
+    let page = HtmlPage {
+        title: format!("Registration of {}", page.points_name),
+        verdict: (passes, verdict.to_owned()),
+        headline: headline(motion),
+        sentence: format!("{} moved to {}", page.points_name, page.model_name),
+        left: section("Before", &views(&[model(), before], &[]))
+            + &section("After, coloured by the distance from the model", &after),
+        right,
+        json: serde_json::to_string(page.results)?,
+    };
+    page.write(out)
 }
 
 fn headline(motion: &TransformFile) -> String {
@@ -251,26 +228,19 @@ fn ellipse(out: &mut String, at: &Vector2<f64>, corner: &Corner, axes: [usize; 2
 }
 
 fn legend(limit: f64, corners: &[Corner]) -> String {
-    let mut out = "<p class=\"note\">".to_owned();
+    let mut swatches = String::new();
     for (band, colour) in BANDS.iter().enumerate() {
         let upper = limit * (band + 1) as f64 / BANDS.len() as f64;
-        let _ = write!(
-            out,
-            "<span class=\"swatch\" style=\"background:{colour}\"></span>up to {} &nbsp; ",
-            number(upper)
-        );
+        swatches += &swatch(colour, &format!("up to {}", number(upper)));
     }
-    let _ = write!(
-        out,
-        "<span class=\"swatch\" style=\"background:{BEYOND}\"></span>beyond the limit, not counted</p>"
-    );
+    swatches += &swatch(BEYOND, "beyond the limit, not counted");
+    let mut out = format!("<p class=\"note\">{swatches}</p>\n");
     if !corners.is_empty() {
-        let _ = write!(
-            out,
-            "<p class=\"note\">Ellipses: {SIGMAS} standard deviations of the corners of the part by the covariance of the pose, drawn \
-             {} times as large as they are.</p>",
+        out += &note(&format!(
+            "Ellipses: {SIGMAS} standard deviations of the corners of the part by the covariance of the pose, drawn {} times as large as \
+             they are.",
             number(exaggeration(corners))
-        );
+        ));
     }
     out
 }
@@ -307,15 +277,6 @@ fn facts(results: &RegistrationResults) -> Vec<(String, String)> {
     rows.push(("turned by".to_owned(), format!("{}°", number(motion.rotation.angle.to_degrees()))));
     rows.push(("moved by".to_owned(), motion.translation.map(number).join(", ")));
     rows
-}
-
-fn table(rows: &[(String, String)]) -> String {
-    let mut out = "<table>\n<tbody>\n".to_owned();
-    for (name, value) in rows {
-        let _ = writeln!(out, "<tr><th scope=\"row\">{}</th><td>{}</td></tr>", escape(name), escape(value));
-    }
-    out.push_str("</tbody>\n</table>\n");
-    out
 }
 
 #[cfg(test)]
