@@ -120,7 +120,7 @@ impl<const D: usize> Constraints<D> {
 }
 
 /// Orthonormal vectors normal to a direction.
-fn normals<const D: usize>(direction: &SVector<f64, D>) -> Vec<SVector<f64, D>> {
+pub(crate) fn normals<const D: usize>(direction: &SVector<f64, D>) -> Vec<SVector<f64, D>> {
     let mut known: Vec<SVector<f64, D>> = direction.try_normalize(0.0).into_iter().collect();
     let given = known.len();
     let mut axes: Vec<usize> = (0..D).collect();

@@ -4,6 +4,7 @@ use crate::error::Error;
 use crate::input::cad_shapes;
 use crate::report::Report;
 use crate::report::wording::counted;
+use clap::ValueEnum;
 use industrial_geometry::io::{Content, Shape};
 use industrial_geometry::nurbs::construct::BoundaryCurves;
 use industrial_geometry::nurbs::nalgebra::Vector3;
@@ -12,6 +13,15 @@ use std::path::Path;
 
 /// Share of the size up to which ends of curves are the same point.
 const SAME: f64 = 1e-6;
+
+/// How a shape continues its neighbours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ContinuityChoice {
+    /// With a common edge or end
+    G0,
+    /// With common tangent planes or tangents there
+    G1,
+}
 
 /// Four curves around a patch, and up to which distance their ends are the same.
 pub(crate) struct Boundary {

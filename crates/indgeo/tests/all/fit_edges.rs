@@ -226,6 +226,52 @@ fn surfaces_continue_their_neighbours() {
 }
 
 #[test]
+fn curves_continue_their_neighbours() {
+    let bench = Bench::new();
+    let section = |low: f64, high: f64| {
+        (0..=100).map(|k| low + (high - low) * f64::from(k) / 100.0).fold(String::new(), |mut text, x| {
+            let _ = writeln!(text, "{x} {}", wave(x, 0.3));
+            text
+        })
+    };
+    bench.put("gap.xyz", section(1.0, 4.0));
+    bench.put("left.json", line([0.0, 0.1], [0.97, wave(0.97, 0.3)]));
+    bench.put("right.json", line([5.0, -0.2], [4.03, wave(4.03, 0.3)]));
+    for (continuity, is_smooth) in [("g0", false), ("g1", true)] {
+        let run = bench.run(&format!(
+            "fit-curve gap.xyz --join left.json --join right.json --continuity {continuity} -o c.json --json -"
+        ));
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        let joins = &results(&run)["joins"];
+        let file: Value = serde_json::from_str(&bench.text("c.json")).unwrap();
+        let net = file["control_points"].as_array().unwrap();
+        let place = |k: usize| [0, 1].map(|c| net[k][c].as_f64().unwrap());
+        let last = net.len() - 1;
+        // Ends and tangents of a clamped curve are those of its control polygon.
+        let mut ends = [[place(0), place(1)], [place(last), place(last - 1)]];
+        ends.sort_by(|a, b| a[0][0].total_cmp(&b[0][0]));
+        for (k, ([end, next], from)) in ends.into_iter().zip([[0.0, 0.1], [5.0, -0.2]]).enumerate() {
+            let given = [[0.97, wave(0.97, 0.3)], [4.03, wave(4.03, 0.3)]][k];
+            assert!((end[0] - given[0]).hypot(end[1] - given[1]) < 1e-12);
+            let (a, b) = ([given[0] - from[0], given[1] - from[1]], [next[0] - end[0], next[1] - end[1]]);
+            let sine = (a[0] * b[1] - a[1] * b[0]) / (a[0].hypot(a[1]) * b[0].hypot(b[1]));
+            assert!(a[0] * b[0] + a[1] * b[1] > 0.0);
+            assert_eq!(sine.abs() < 1e-10, is_smooth, "{sine}");
+            assert!((number(&joins[k]["angle"]).sin().abs() - sine.abs()).abs() < 1e-9);
+        }
+    }
+    let run = bench.run("fit-curve gap.xyz --join left.json --join left.json --join left.json -o d.json");
+    assert!(run.code == 2 && run.stderr.contains("two ends"), "{}", run.stderr);
+}
+
+/// A straight curve in the plane.
+fn line([a, b]: [f64; 2], [c, d]: [f64; 2]) -> String {
+    format!(
+        "{{\"kind\":\"curve\",\"degree\":1,\"knots\":[0,0,1,1],\"control_points\":[[{a},{b}],[{c},{d}]]}}"
+    )
+}
+
+#[test]
 fn fits_have_pages() {
     let bench = Bench::new();
     bench.put("scan.xyz", points(900, [0.0, 3.0], [0.0, 2.0]));

@@ -150,7 +150,9 @@ fn attempt<const D: usize>(
     if options.rational {
         state = rational::with_weights(&mut work, state, Some(&layout))?;
     }
-    let state = work.settled(work.trimmed(state)?);
+    let state = work.trimmed(state)?;
+    let state = work.with_ends(state, &cloud.centre)?;
+    let state = work.settled(state);
     let Layout { closed, closure, kind: start, lost, .. } = layout;
     let fit = work.conclude(state, cloud, Origin { closed, closure, start, lost })?;
     let crossings = fit.report.crossings.len().saturating_sub(expected);

@@ -100,6 +100,7 @@ fn fitted<const D: usize>(
     if options.rational {
         state = rational::with_weights(&mut work, state, None)?;
     }
+    let state = if closed { state } else { work.with_ends(state, &centre)? };
     let state = work.settled(state);
     let kind = if options.search { CurveStart::Contour } else { CurveStart::Given };
     work.conclude(state, &cloud, Origin { closed, closure: Closure::Start, start: kind, lost: false })

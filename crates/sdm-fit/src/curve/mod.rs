@@ -8,6 +8,7 @@ mod adapt;
 mod attempt;
 mod conclude;
 mod crossing;
+mod ends;
 mod fit;
 mod front;
 mod improve;
@@ -30,6 +31,7 @@ mod work;
 
 pub use active::ActiveCurve;
 pub use crossing::self_crossings;
+pub use ends::CurveEnd;
 pub use fit::{fit_curve, fit_curve_with_progress};
 pub use options::CurveOptions;
 pub use report::{Closure, CurveFit, CurveReport, CurveStart, PointFoot, StageRecord};

@@ -1,5 +1,6 @@
 //! Options of a curve fit.
 
+use super::ends::CurveEnd;
 use crate::{Error, FitOptions};
 use nurbs_core::MAX_DEGREE;
 
@@ -27,6 +28,8 @@ pub struct CurveOptions {
     /// Length without points that belongs to the curve nevertheless; by default as much as the other distances of neighbours lead to
     /// expect. Where points are further apart there are several curves, or a part of the curve has no data.
     pub max_gap: Option<f64>,
+    /// Where an open curve ends, in any order; then it is open. Default: where the points do.
+    pub ends: [Option<CurveEnd>; 2],
     /// Options of the loop.
     pub fit: FitOptions,
 }
@@ -42,6 +45,7 @@ impl Default for CurveOptions {
             rational: false,
             search: false,
             max_gap: None,
+            ends: [None; 2],
             fit: FitOptions::default(),
         }
     }
@@ -96,6 +100,13 @@ impl CurveOptions {
         Self { max_gap, ..self }
     }
 
+    /// The same options with ends that are given, of an open curve.
+    #[must_use]
+    pub fn with_ends(self, ends: [Option<CurveEnd>; 2]) -> Self {
+        let closed = if ends.iter().any(Option::is_some) { Some(false) } else { self.closed };
+        Self { ends, closed, ..self }
+    }
+
     /// The same options with other options of the loop.
     #[must_use]
     pub fn with_fit(self, fit: FitOptions) -> Self {
@@ -118,6 +129,18 @@ impl CurveOptions {
         }
         if let Some(value) = self.max_gap.filter(|t| !(*t > 0.0 && t.is_finite())) {
             return error("max_gap", value, "a positive length");
+        }
+        let ends = self.ends.iter().flatten().count();
+        if ends > 0 && (self.closed == Some(true) || self.rational || self.search) {
+            return error("ends", ends as f64, "none (0) for closed and rational curves, and for a search");
+        }
+        let all = self
+            .ends
+            .iter()
+            .flatten()
+            .flat_map(|e| e.point.into_iter().chain(e.direction.into_iter().flatten()));
+        if let Some(value) = all.into_iter().find(|c| !c.is_finite()) {
+            return error("ends", value, "finite places and directions");
         }
         if self.max_controls < self.fewest() {
             return error("max_controls", self.max_controls as f64, "more than the degree");

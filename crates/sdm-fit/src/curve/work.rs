@@ -124,9 +124,21 @@ impl<'a, const D: usize> Work<'a, D> {
         fit: &FitOptions,
         stage: &'static str,
     ) -> Result<State<D>, Error> {
+        self.run_within(points, curve, &Constraints::none(), fit, stage)
+    }
+
+    /// The same under side conditions.
+    pub(super) fn run_within(
+        &mut self,
+        points: &[SVector<f64, D>],
+        curve: BsplineCurve<D>,
+        constraints: &Constraints<D>,
+        fit: &FitOptions,
+        stage: &'static str,
+    ) -> Result<State<D>, Error> {
         let active = ActiveCurve::new(curve)?;
         let target = Target::Points { points, weights: None };
-        let fitted = fit_with_progress(active.clone(), target, &Constraints::none(), fit, self.progress)?;
+        let fitted = fit_with_progress(active.clone(), target, constraints, fit, self.progress)?;
         self.cancelled |= fitted.report.status == Status::Cancelled;
         let evolution = fitted.evolution.iter().map(|coefficients| {
             let mut shape = active.clone();

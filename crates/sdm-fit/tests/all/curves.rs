@@ -7,7 +7,8 @@ use distance_field::CurveField;
 use nalgebra::{SVector, Vector2, Vector3};
 use nurbs_core::{BsplineCurve, KnotVector, ParametricCurve};
 use sdm_fit::curve::{
-    ActiveCurve, Closure, CurveOptions, CurveStart, fit_curve, fit_curve_with_progress, self_crossings,
+    ActiveCurve, Closure, CurveEnd, CurveOptions, CurveStart, fit_curve, fit_curve_with_progress,
+    self_crossings,
 };
 use sdm_fit::{
     ActiveShape, Constraints, Error, FitOptions, LinearCondition, Robust, Smoothing, Status, Target, fit,
@@ -249,4 +250,34 @@ fn cancelling_returns_the_curve_so_far() {
         fit_curve_with_progress(&data, None, &CurveOptions::default().with_controls(Some(12)), &stop)
             .unwrap();
     assert_eq!((fitted.report.status, fitted.report.iterations), (Status::Cancelled, 3));
+}
+
+#[test]
+fn ends_are_where_and_as_they_are_given() {
+    let wave = |t: f64| Vector2::new(6.0 * t, (6.0 * t).sin());
+    let points: Vec<_> =
+        (0..200).map(|k| wave(0.005 + 0.99 * (f64::from(k * 37 % 200) + 0.5) / 200.0)).collect();
+    // Given in the other order, and the second with a direction that the points do not have.
+    let slanted = [0.8, 0.6, 0.0];
+    let at = |t: f64| [wave(t).x, wave(t).y, 0.0];
+    let tangent = [1.0, 1.0, 0.0];
+    let ends = [
+        Some(CurveEnd { point: at(1.0), direction: None }),
+        Some(CurveEnd { point: at(0.0), direction: Some(slanted) }),
+    ];
+    let options = CurveOptions::default().with_ends(ends);
+    let fitted = fit_curve(&points, None, &options).unwrap();
+    let (curve, domain) = (&fitted.curve, fitted.curve.domain());
+    let [first, last] = [domain.start(), domain.end()].map(|t| curve.jet(t));
+    let [low, high] = if first.point.x < last.point.x { [first, last] } else { [last, first] };
+    assert!((low.point - wave(0.0)).norm() < 1e-12 && (high.point - wave(1.0)).norm() < 1e-12);
+    let sense = if first.point.x < last.point.x { 1.0 } else { -1.0 };
+    let way = low.d1.normalize() * sense;
+    assert!((way - Vector2::new(0.8, 0.6)).norm() < 1e-12, "{way:?}");
+    assert!(fitted.report.covered, "{}", fitted.report);
+    // With the right direction it is nearer to the points than with a slanted one.
+    let right = [ends[0], Some(CurveEnd { point: at(0.0), direction: Some(tangent) })];
+    let better = fit_curve(&points, None, &options.with_ends(right)).unwrap();
+    assert!(better.report.rms < 0.5 * fitted.report.rms, "{} {}", better.report, fitted.report);
+    assert!(fit_curve(&points, None, &options.with_rational(true)).is_err());
 }

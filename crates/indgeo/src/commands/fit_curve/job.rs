@@ -1,5 +1,6 @@
 //! The fit of a curve: read, fit, write.
 
+use crate::commands::fit_curve::joins::{CurveJoin, Joins};
 use crate::commands::fit_curve::{evolution, page};
 use crate::error::Error;
 use crate::files;
@@ -21,7 +22,7 @@ use industrial_geometry::nurbs::nalgebra::{SVector, Vector3};
 use industrial_geometry::nurbs::{BsplineCurve, ParametricCurve};
 use serde::Serialize;
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Points along the curves of a model.
 const SAMPLES: usize = 2000;
@@ -35,6 +36,8 @@ pub(crate) struct Job<'a> {
     pub(crate) sensors: Option<usize>,
     /// File of the curve to start from.
     pub(crate) init: Option<&'a Path>,
+    /// Curves that it continues.
+    pub(crate) joins: Joins<'a>,
     /// File of the curve.
     pub(crate) out: Option<&'a Path>,
     /// File of the footpoints.
@@ -61,38 +64,44 @@ pub(crate) struct CurveResults {
     pub(crate) fitted: CurveReport,
     /// Of each curve, if there are several.
     pub(crate) parts: Vec<CurveReport>,
+    /// How it continues others.
+    pub(crate) joins: Vec<CurveJoin>,
 }
 
 /// A curve to start from.
-enum Start {
+pub(super) enum Start {
     Plane(BsplineCurve<2>),
     Space(BsplineCurve<3>),
 }
 
 /// Does the job and fills in the report; returns whether the curve is what was asked for.
 pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<FitVerdict, Error> {
-    let inputs: Vec<&Path> = std::iter::once(job.points).chain(job.init).collect();
+    let neighbours = job.joins.files.iter().map(PathBuf::as_path);
+    let inputs: Vec<&Path> = std::iter::once(job.points).chain(job.init).chain(neighbours).collect();
     let outputs: Vec<&Path> =
         [job.out, job.feet, job.page, job.history, job.evolution].into_iter().flatten().collect();
     check_paths(&inputs, &outputs)?;
     if let Some(sensors) = job.sensors {
         let content = cad_shapes::read(job.points, "model", report)?;
-        let start = job.init.map(|path| start(path, report)).transpose()?;
+        let start = job.init.map(|path| start(path, "init", report)).transpose()?;
         return to_model(job, content, start, sensors, report);
     }
     let loaded =
         Timings::measure(&mut report.timings.read, || files::read(job.points, &ReadOptions::default()))?;
     report.add_input(Input::new("points", job.points, &loaded.report));
     let (points, planar) = positions(&loaded.content, job.points)?;
-    match job.init.map(|path| start(path, report)).transpose()? {
-        Some(Start::Space(curve)) => solve(job, &points, Some(curve), report),
+    let ends = job.joins.read(&points, report)?;
+    // Ends in space take the curve there.
+    let planar = planar && ends.iter().all(|[place, direction]| place.z == 0.0 && direction.z == 0.0);
+    match job.init.map(|path| start(path, "init", report)).transpose()? {
+        Some(Start::Space(curve)) => solve(job, &points, (Some(curve), &ends), report),
         Some(Start::Plane(_)) if !planar => {
             let what = "the start lies in the plane, but some points have a z that is not 0";
             Err(Error::content(job.points, what, "give points of two columns, or a start in space"))
         }
-        Some(Start::Plane(curve)) => solve(job, &in_plane(&points), Some(curve), report),
-        None if planar => solve(job, &in_plane(&points), None, report),
-        None => solve::<3>(job, &points, None, report),
+        Some(Start::Plane(curve)) => solve(job, &in_plane(&points), (Some(curve), &ends), report),
+        None if planar => solve(job, &in_plane(&points), (None, &ends), report),
+        None => solve::<3>(job, &points, (None, &ends), report),
     }
 }
 
@@ -117,8 +126,8 @@ fn in_plane(points: &[Vector3<f64>]) -> Vec<SVector<f64, 2>> {
 }
 
 /// The first B-spline curve of a NURBS or CAD file.
-fn start(path: &Path, report: &mut Report) -> Result<Start, Error> {
-    let shapes = match cad_shapes::read(path, "init", report)? {
+pub(super) fn start(path: &Path, role: &'static str, report: &mut Report) -> Result<Start, Error> {
+    let shapes = match cad_shapes::read(path, role, report)? {
         Content::Nurbs(model) => model.into_shapes(),
         _ => Vec::new(),
     };
@@ -139,22 +148,27 @@ fn start(path: &Path, report: &mut Report) -> Result<Start, Error> {
 fn solve<const D: usize>(
     job: &Job<'_>,
     points: &[SVector<f64, D>],
-    start: Option<BsplineCurve<D>>,
+    (start, ends): (Option<BsplineCurve<D>>, &[[Vector3<f64>; 2]]),
     report: &mut Report,
 ) -> Result<FitVerdict, Error>
 where
     BsplineCurve<D>: Into<Shape>,
 {
+    let options = match ends {
+        [] => job.options,
+        ends => job.options.with_ends(job.joins.given(ends)),
+    };
     let progress = Progress::iterations("fitting", job.quiet);
     let most = job.options.fit.max_iterations;
     let tell = |step: &FitStep| told(&progress, step, most);
-    let found = Timings::measure(&mut report.timings.compute, || match &start {
-        Some(start) => fit_curve_with_progress(points, Some(start), &job.options, &tell)
+    let found = Timings::measure(&mut report.timings.compute, || match start {
+        None if ends.is_empty() => fit_curves_with_progress(points, &options, &tell),
+        // Ends are those of one curve.
+        start => fit_curve_with_progress(points, start.as_ref(), &options, &tell)
             .map(|fit| vec![CurvePart { points: (0..points.len()).collect(), fit }]),
-        None => fit_curves_with_progress(points, &job.options, &tell),
     });
     drop(progress);
-    finished(job, points, found, report)
+    finished(job, points, ends, found, report)
 }
 
 /// The fit to the curves of a model.
@@ -223,13 +237,14 @@ where
     });
     drop(progress);
     let found = found.map(|fit| vec![CurvePart { points: (0..samples.len()).collect(), fit }]);
-    finished(job, &samples, found, report)
+    finished(job, &samples, &[], found, report)
 }
 
 /// Writes what was found, and says how it went.
 fn finished<const D: usize>(
     job: &Job<'_>,
     points: &[SVector<f64, D>],
+    ends: &[[Vector3<f64>; 2]],
     found: Result<Vec<CurvePart<D>>, FitError>,
     report: &mut Report,
 ) -> Result<FitVerdict, Error>
@@ -242,9 +257,13 @@ where
     warn(job, &fitted, &reports, report);
     write(job, points, &found, &fitted, report)?;
     report.count_points("points", fitted.dropped, fitted.used);
-    let verdict = FitVerdict::of(fitted.status, fitted.reached).without(!fitted.covered);
+    let (joins, unmet) = match &found[..] {
+        [part] => job.joins.measured(ends, &part.fit.curve, fitted.coverage.length, report),
+        _ => (Vec::new(), false),
+    };
+    let verdict = FitVerdict::of(fitted.status, fitted.reached).without(!fitted.covered || unmet);
     let parts = if reports.len() > 1 { reports } else { Vec::new() };
-    let results = CurveResults { fitted, parts };
+    let results = CurveResults { fitted, parts, joins };
     if let Some(path) = job.page {
         page::put(job, path, (points, &found), &results, verdict, report)?;
     }

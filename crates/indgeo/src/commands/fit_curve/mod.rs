@@ -2,14 +2,17 @@
 
 pub(crate) mod evolution;
 pub(crate) mod job;
+pub(crate) mod joins;
 pub(crate) mod page;
 pub(crate) mod summary;
 
 use self::job::Job;
+use self::joins::Joins;
 use super::numbers;
 use crate::common::Common;
 use crate::error::Error;
 use crate::fits::arguments::LoopArgs;
+use crate::fits::boundary::ContinuityChoice;
 use crate::fits::page::is_page;
 use crate::output::cad::CadArgs;
 use crate::report::{Outcome, Report};
@@ -68,6 +71,12 @@ pub(crate) struct Args {
     /// closed curves in the plane whose start is far away, or that wind
     #[arg(long, conflicts_with = "open")]
     search: bool,
+    /// Continue the curve in FILE from its end that is nearest to the points; may be given twice
+    #[arg(long, value_name = "CURVE", conflicts_with_all = ["closed", "search", "rational", "model"])]
+    join: Vec<PathBuf>,
+    /// How curves are continued
+    #[arg(long, value_enum, requires = "join", default_value_t = ContinuityChoice::G1)]
+    continuity: ContinuityChoice,
     /// Length without points that belongs to the curve nevertheless, in the units of the file; where points are further apart there are several
     /// curves, or a part without data [default: as the other distances of neighbours show]
     #[arg(long, value_name = "LENGTH", value_parser = numbers::length)]
@@ -95,7 +104,7 @@ pub(crate) struct Args {
 const AFTER_HELP: &str = "\
 The report (--json) holds in `results`: `status`, `closed` and why (`closure`), `start`, `control_points`, `degree`, `rms`, `max`,
 `max_index`, `share_within` and `within_tolerance` (with a tolerance), `coverage` and `covered`, `crossings` (parameters at which a plane curve crosses
-itself), `stages` (the runs of the iteration) and `history` (every iteration of those that were kept).
+itself), `joins` (with --join: the gap and the angle at each end), `stages` (the runs of the iteration) and `history` (every iteration of those that were kept).
 
 Points on several curves that are apart from each other become several curves in one file, each with a report of its own (`parts`).
 
@@ -112,13 +121,15 @@ Examples:
   indgeo fit-curve section.xyz -o section.step --unit mm
   indgeo fit-curve section.xyz -o section.json --tolerance 0.05 --points-out deviations.csv --report section.html
   indgeo fit-curve cloud.xyz -o curve.json --control-points 24 --open --evolution evolution.svg
+  indgeo fit-curve gap.xyz -o blend.step --join left.step --join right.step --unit mm
   indgeo fit-curve outline.xyz --init circle.json --search -o curve.json --evolution growth.json
   indgeo fit-curve cloud.xyz --init start.json --term tangent --step-control none --report history.csv";
 
 impl Args {
     /// The files that are read, and those that are written.
     pub(crate) fn files(&self) -> (Vec<&Path>, Vec<PathBuf>) {
-        let read = self.points.iter().chain(&self.model).chain(&self.init).map(PathBuf::as_path);
+        let read = self.points.iter().chain(&self.model).chain(&self.init).chain(&self.join);
+        let read = read.map(PathBuf::as_path);
         let written = [&self.out, &self.points_out, &self.report, &self.evolution];
         (read.collect(), written.into_iter().flatten().cloned().collect())
     }
@@ -147,10 +158,14 @@ pub(crate) fn run(args: &Args, common: &Common, report: &mut Report) -> Result<O
     let Some(points) = args.points.as_deref().or(args.model.as_deref()) else {
         return Err(Error::usage("there are no points", "give a file of points, or --model FILE"));
     };
+    if args.join.len() > 2 {
+        return Err(Error::usage("a curve has two ends", "give --join at most twice"));
+    }
     let job = Job {
         points,
         sensors: args.model.as_ref().map(|_| args.sensors),
         init: args.init.as_deref(),
+        joins: Joins { files: &args.join, continuity: args.continuity },
         out: args.out.as_deref(),
         cad: &args.cad,
         feet: args.points_out.as_deref(),

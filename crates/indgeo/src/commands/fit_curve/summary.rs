@@ -37,6 +37,15 @@ impl Results for CurveResults {
             let share = percent_of_share(share, Rounding::Down);
             writeln!(text, "  tolerance {verdict}: {share} of the points within")?;
         }
+        for join in &self.joins {
+            writeln!(
+                text,
+                "  joined    {}: gap {}, angle {} rad",
+                join.file.display(),
+                plain(join.gap),
+                plain(join.angle)
+            )?;
+        }
         if !found.crossings.is_empty() {
             writeln!(text, "  crossings {} (the curve crosses itself)", found.crossings.len())?;
         }

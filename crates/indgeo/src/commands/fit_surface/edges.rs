@@ -1,9 +1,8 @@
 //! Surfaces within given boundary curves, and surfaces that continue others.
 
 use crate::error::Error;
-use crate::fits::boundary::{Boundary, neighbours};
+use crate::fits::boundary::{Boundary, ContinuityChoice, neighbours};
 use crate::report::{Report, Timings};
-use clap::ValueEnum;
 use industrial_geometry::footpoint::SurfaceProjector;
 use industrial_geometry::nurbs::construct::{Continuity, Side, joined};
 use industrial_geometry::nurbs::nalgebra::Vector3;
@@ -16,15 +15,6 @@ const SAMPLES: usize = 201;
 /// What counts as met: gap as a share of the size, and angle in radians.
 const GAP: f64 = 1e-6;
 const ANGLE: f64 = 1e-5;
-
-/// How a surface continues its neighbours.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum ContinuityChoice {
-    /// With a common edge
-    G0,
-    /// With common tangent planes along the edge
-    G1,
-}
 
 /// What is asked of the sides of a surface.
 #[derive(Clone, Copy, Debug)]

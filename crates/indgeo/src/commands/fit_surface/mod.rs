@@ -9,12 +9,13 @@ pub(crate) mod start;
 pub(crate) mod summary;
 pub(crate) mod to_model;
 
-use self::edges::{ContinuityChoice, Edges};
+use self::edges::Edges;
 use self::job::Job;
 use super::numbers;
 use crate::common::Common;
 use crate::error::Error;
 use crate::fits::arguments::LoopArgs;
+use crate::fits::boundary::ContinuityChoice;
 use crate::fits::page;
 use crate::input::sampling;
 use crate::output::cad::CadArgs;
