@@ -27,6 +27,12 @@ pub enum Error {
         /// Number of points.
         count: usize,
     },
+    /// A mesh that surrounds nothing, so that distances from it have no sign.
+    #[error("the mesh surrounds nothing: seen from its triangles, {:.0} % of what would be its inside is open", 100.0 * (1.0 - closure))]
+    NoInside {
+        /// See [`Inside::closure`](crate::grid::Inside::closure).
+        closure: f64,
+    },
     /// A grid of values cannot be used.
     #[error("grid: {what}")]
     Grid {

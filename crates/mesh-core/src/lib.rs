@@ -48,6 +48,7 @@ mod pseudo_normal;
 mod random;
 mod sampling;
 mod seams;
+mod sides;
 mod spatial_order;
 mod texts;
 mod topology;

@@ -65,6 +65,11 @@ impl TriangleMesh {
         Ok(Self { vertices: self.vertices.with_attributes(attributes)?, triangles: self.triangles })
     }
 
+    /// Other triangles over the same vertices; every index refers to one of them.
+    pub(crate) fn with_triangles(&self, triangles: Vec<[u32; 3]>) -> Self {
+        Self { vertices: self.vertices.clone(), triangles }
+    }
+
     /// The vertices.
     #[must_use]
     pub fn vertices(&self) -> &[Point3<f64>] {

@@ -205,6 +205,18 @@ fn inner_jet<'a>(cloud: &'a Cloud<'_>, labels: &[u32], own: usize) -> Option<&'a
     std::iter::once(own).chain(near).find(is_inner).and_then(|k| cloud.jets.jets[k].as_ref())
 }
 
+/// Cosine of the angle between a link and the surface up to which it is one of a border; others lead through a wall.
+const ALONG: f64 = 0.7;
+
+/// The largest difference, without sign, that a difference of normal curvatures has in any direction, from three of them. That of two
+/// carriers has no noise, and changes its sign around a ring, as between a pipe and its bend.
+fn largest(differ: impl Fn(&Vector3<f64>) -> Option<f64>, t: &Vector3<f64>, n: &Vector3<f64>) -> Option<f64> {
+    let s = n.cross(t);
+    let (a, b, c) = (differ(t)?, differ(&s)?, differ(&((t + s) / std::f64::consts::SQRT_2))?);
+    let mean = 0.5 * (a + b);
+    Some(mean.abs() + (0.5 * (a - b)).hypot(c - mean))
+}
+
 /// Whether two pieces meet without an edge and without a jump of curvature.
 pub(crate) fn is_smooth(
     cloud: &Cloud<'_>,
@@ -223,28 +235,32 @@ pub(crate) fn is_smooth(
         else {
             continue;
         };
-        turns.push(n.cross(&m).norm());
         let along = (y - x) - n * (y - x).dot(&n);
         let length = along.norm();
-        if length <= 0.0 {
+        if length < ALONG * (y - x).norm() || length <= 0.0 {
             continue;
         }
+        turns.push(n.cross(&m).norm());
         let t = along / length;
         let step = 0.5 * cloud.graph.spacing[i as usize].max(length * 0.5);
-        let bend = |region: &Region, own: u32, n: &Vector3<f64>| {
+        let bend = |region: &Region, own: u32, n: &Vector3<f64>, t: &Vector3<f64>| {
             if region.carrier.is_none()
                 && let Some(jet) = inner_jet(cloud, labels, own as usize)
             {
-                return Some(jet.bend(&t, n));
+                return Some(jet.bend(t, n));
             }
             let next = normal_at(cloud, region, own as usize, &(middle + t * step))?;
             let next = if next.dot(n) < 0.0 { -next } else { next };
-            Some((next - n).dot(&t) / step)
+            Some((next - n).dot(t) / step)
         };
         let turned = if m.dot(&n) < 0.0 { -m } else { m };
-        if let (Some(p), Some(q)) = (bend(one, i, &n), bend(other, j, &turned)) {
-            bends.push(p - q);
-        }
+        let differ = |t: &Vector3<f64>| Some(bend(one, i, &n, t)? - bend(other, j, &turned, t)?);
+        let found = if one.carrier.is_some() && other.carrier.is_some() {
+            largest(differ, &t, &n)
+        } else {
+            differ(&t)
+        };
+        bends.extend(found);
     }
     if turns.len() < LINKS || bends.len() < LINKS {
         return false;

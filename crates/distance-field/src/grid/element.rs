@@ -90,7 +90,8 @@ pub struct Seed {
 /// Where no node is that near to an element, the nodes around its nearest point count, as far as they are in the box.
 #[must_use]
 pub fn seeds<const D: usize>(lattice: &Lattice<D>, elements: &[Element<D>], margin: f64) -> Vec<Seed> {
-    let mut found: Vec<(usize, f64, u32)> = Vec::new();
+    // One entry for each node: elements far smaller than the margin would come to many for each.
+    let mut found: Vec<(f64, u32)> = vec![(f64::INFINITY, 0); lattice.len()];
     for (element, index) in elements.iter().zip(0u32..) {
         let corners = element.corners();
         let low = corners.iter().fold(corners[0], |low, p| low.inf(p));
@@ -98,14 +99,14 @@ pub fn seeds<const D: usize>(lattice: &Lattice<D>, elements: &[Element<D>], marg
         let Some(range) = lattice.range(&low, &high, margin) else { continue };
         lattice.visit(&range, |node| {
             let distance = element.distance(&lattice.point(node));
-            if distance <= margin {
-                found.push((node, distance, index));
+            if distance <= margin && distance < found[node].0 {
+                found[node] = (distance, index);
             }
         });
     }
-    found.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
-    found.dedup_by_key(|seed| seed.0);
-    found.into_iter().map(|(node, distance, element)| Seed { node, distance, element }).collect()
+    let is_near = |(_, (distance, _)): &(usize, (f64, u32))| distance.is_finite();
+    let near = found.into_iter().enumerate().filter(is_near);
+    near.map(|(node, (distance, element))| Seed { node, distance, element }).collect()
 }
 
 /// The seeds of a shape that lies outside of the box: the nodes of its faces, each with its nearest element.

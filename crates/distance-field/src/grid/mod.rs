@@ -23,6 +23,7 @@
 mod carry;
 mod eikonal;
 mod element;
+mod inside;
 mod lattice;
 mod march;
 mod medium;
@@ -34,6 +35,7 @@ mod winding;
 
 pub use carry::carry;
 pub use element::{Element, Seed, seeds, seeds_on_faces};
+pub use inside::{Inside, InsideRule};
 pub use lattice::Lattice;
 pub use march::march;
 pub use medium::Medium;

@@ -109,6 +109,68 @@ fn solids_have_an_inside_with_and_without_a_hole() {
 }
 
 #[test]
+fn signs_are_those_of_the_body_and_not_of_its_triangles() {
+    let bench = Bench::new();
+    let grid = "--grid 9x9x9 --box=-0.5,-0.5,-0.5,1.5,1.5,1.5 --signed";
+    bench.put("cube.off", CUBE);
+    let (_, right, _) = field(&bench, &format!("cube.off {grid}"));
+    let lines: Vec<&str> = CUBE.lines().collect();
+    let (head, faces) = lines.split_at(10);
+    let turned = |line: &str| {
+        let corners: Vec<&str> = line.split(' ').skip(1).collect();
+        format!("4 {}", corners.into_iter().rev().collect::<Vec<_>>().join(" "))
+    };
+    // Inside out, and with one face turned.
+    let all: Vec<String> = faces.iter().map(|line| turned(line)).collect();
+    let one: Vec<String> = faces
+        .iter()
+        .enumerate()
+        .map(|(k, line)| if k == 2 { turned(line) } else { (*line).to_owned() })
+        .collect();
+    for (faces, warning) in [(all, ""), (one, "2 triangles turned")] {
+        bench.put("other.off", format!("{}\n{}\n", head.join("\n"), faces.join("\n")));
+        for method in ["exact", "fmm2"] {
+            let (_, found, report) = field(&bench, &format!("other.off {grid} --method {method}"));
+            assert!(found.iter().zip(&right).all(|(a, b)| (*a < 0.0) == (*b < 0.0)), "{method}");
+            assert_eq!(report["warnings"].to_string().contains("turned"), !warning.is_empty());
+            assert!(report["warnings"].to_string().contains(warning), "{report}");
+        }
+    }
+    // Where two cubes overlap, faces of one lie within the other, and both sides of them are inside.
+    let vertices: Vec<String> = lines[2..10].iter().map(|line| format!("{line}\n")).collect();
+    let shifted = lines[2..10].iter().map(|line| {
+        let (x, rest) = line.split_once(' ').unwrap();
+        format!("{} {rest}\n", x.parse::<f64>().unwrap() + 0.5)
+    });
+    let later = faces.iter().map(|line| {
+        let corners = line.split(' ').skip(1).map(|k| (k.parse::<u32>().unwrap() + 8).to_string());
+        format!("4 {}\n", corners.collect::<Vec<_>>().join(" "))
+    });
+    let text: String = std::iter::once("OFF\n16 12 0\n".to_owned())
+        .chain(vertices)
+        .chain(shifted)
+        .chain(faces.iter().map(|line| format!("{line}\n")))
+        .chain(later)
+        .collect();
+    bench.put("two.off", text);
+    let (_, found, _) = field(&bench, "two.off --grid 31x3x3 --box=-0.5,-0.5,-0.5,2.5,1.5,1.5 --signed");
+    // Along the middle line x runs by tenths from -0.5; nodes on faces are left out.
+    for i in (0..31).filter(|i| ![5, 10, 15, 20].contains(i)) {
+        let value = found[(i * 3 + 1) * 3 + 1];
+        assert_eq!(value < 0.0, (5..=20).contains(&i), "{i}: {value}");
+    }
+    assert!((found[(9 * 3 + 1) * 3 + 1] + 0.1).abs() < 1e-12, "{}", found[(9 * 3 + 1) * 3 + 1]);
+
+    // A sheet has no inside, whatever the method.
+    bench.put("sheet.off", "OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0.2\n3 0 1 2\n3 0 2 3\n");
+    for method in ["exact", "zhao"] {
+        let run = bench.run(&format!("field sheet.off -o sheet.npy --grid 5x5x5 --signed --method {method}"));
+        assert!(run.code == 2 && run.stderr.contains("surrounds nothing"), "{} {}", run.code, run.stderr);
+    }
+    assert_eq!(bench.run("field sheet.off -o sheet.npy --grid 5x5x5").code, 0);
+}
+
+#[test]
 fn grids_are_described() {
     let bench = Bench::new();
     bench.put("cube.off", CUBE);

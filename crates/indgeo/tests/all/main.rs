@@ -36,6 +36,7 @@ mod project;
 mod reading;
 mod register;
 mod register_doubts;
+mod register_features;
 mod register_places;
 mod register_verdicts;
 mod register_views;

@@ -110,6 +110,13 @@ impl Image {
         if is_seen { Ok(()) } else { Err(Error::NoContrast { value: low }) }
     }
 
+    /// Whether the image has two values only, so that its edges are steps of whole pixels.
+    #[must_use]
+    pub fn is_black_and_white(&self) -> bool {
+        let [least, most] = self.range();
+        self.values.iter().all(|&value| value == least || value == most)
+    }
+
     /// `Bright` or `Dark`, whichever is meant.
     #[must_use]
     pub fn side(&self, level: f64, inside: Inside) -> Inside {

@@ -4,7 +4,7 @@ use super::dual::{Crossing, dual_contour, zero_between};
 use super::lattice::Lattice;
 use crate::{Error, parallel};
 use distance_field::Grid;
-use distance_field::grid::Winding;
+use distance_field::grid::Inside;
 use mesh_core::{MeshProjector, TriangleMesh};
 use nalgebra::{Point3, Vector3};
 
@@ -25,25 +25,17 @@ pub struct Remeshed {
 }
 
 /// Samples the signed distance of a mesh with `nodes` along the longest side of its box and triangulates its zero set, with sharp edges and
-/// corners where faces of the mesh meet. Holes are closed, and flips and self-intersections mended, by the generalised winding
-/// number.
+/// corners where faces of the mesh meet. Holes, flipped triangles and self-intersections are mended as [`Inside`] says.
 ///
 /// # Errors
-/// [`Error::Option`] for less than 8 or more than 2000 nodes, [`Error::TooLarge`] for too many in all, [`Error::Mesh`] for a mesh
-/// without area, and [`Error::Empty`] for one that has no inside.
+/// [`Error::Option`] for less than 8 or more than 2000 nodes, [`Error::TooLarge`] for too many in all, [`Error::Field`] for a mesh
+/// that surrounds nothing ([`Inside`]), [`Error::Mesh`] and [`Error::Empty`] for one without area.
 pub fn remesh(mesh: &TriangleMesh, nodes: usize) -> Result<Remeshed, Error> {
-    let projector = MeshProjector::new(mesh)?;
+    let inside = Inside::new(mesh)?;
+    let projector = inside.projector();
     let lattice = Lattice::around(mesh.vertices().iter().map(|p| &p.coords), nodes)?;
-    let corner = |k: u32| mesh.vertices()[k as usize].coords;
-    let triangles = || mesh.triangles().iter().map(|triangle| triangle.map(corner)).collect();
-    let winding = (!projector.is_solid()).then(|| Winding::new(triangles()));
     let value = |x: &Vector3<f64>| {
-        let Ok(foot) = projector.project(&Point3::from(*x)) else { return f64::NAN };
-        match (foot.signed_distance, &winding) {
-            (Some(distance), _) => distance,
-            (None, Some(winding)) if winding.number(x) > 0.5 => -foot.distance,
-            _ => foot.distance,
-        }
+        projector.project(&Point3::from(*x)).map_or(f64::NAN, |foot| inside.signed(x, &foot))
     };
     let values = parallel::map(lattice.total, |node| value(&lattice.position(node)));
     let grid = Grid::new(lattice.origin, Vector3::repeat(lattice.cell), lattice.counts, values)?;
@@ -62,7 +54,7 @@ pub fn remesh(mesh: &TriangleMesh, nodes: usize) -> Result<Remeshed, Error> {
         Point3::from((a + b + c) / 3.0)
     });
     let samples: Vec<Point3<f64>> = found.vertices().iter().copied().chain(middles).collect();
-    let forth = farthest(&projector, &samples)?;
+    let forth = farthest(projector, &samples)?;
     let kept: Vec<Point3<f64>> =
         mesh.vertices().iter().filter(|p| p.iter().all(|c| c.is_finite())).copied().collect();
     let back = farthest(&MeshProjector::new(&found)?, &kept)?;

@@ -3,9 +3,7 @@
 #![allow(clippy::print_stdout, reason = "a program that prints its results")]
 
 use distance_field::Grid;
-use distance_field::grid::{
-    Element, Lattice, Medium, Scene, Winding, carry, march, redistance, seeds, sweep,
-};
+use distance_field::grid::{Element, Inside, Lattice, Medium, Scene, carry, march, redistance, seeds, sweep};
 use industrial_geometry::feature_metric::{Method, Metric, MetricMesh};
 use industrial_geometry::io::{self, Content, ReadOptions};
 use mesh_core::{MeshProjector, TriangleMesh};
@@ -196,28 +194,27 @@ fn signs() -> Result<(), Failure> {
     let middle = triangles[0][0];
     let size = 0.06 * (bounds.max - bounds.min).norm();
     let is_far = |t: &[Vector3<f64>; 3]| t.iter().all(|p| (p - middle).norm() > size);
-    let open: Vec<_> = triangles.iter().copied().filter(is_far).collect();
-    let turned: Vec<_> = triangles
-        .iter()
-        .enumerate()
-        .map(|(k, t)| if k % 23 == 0 { [t[0], t[2], t[1]] } else { *t })
-        .collect();
+    let given = mesh.triangles();
+    let open: Vec<_> = (0..given.len()).filter(|&k| is_far(&triangles[k])).map(|k| given[k]).collect();
+    let turned = given.iter().enumerate();
+    let turned: Vec<_> =
+        turned.map(|(k, &[a, b, c])| if k % 23 == 0 { [a, c, b] } else { [a, b, c] }).collect();
     for (name, some, reach) in
         [("with a hole", open, 2.0 * size), ("with 1 of 23 triangles turned", turned, 0.0)]
     {
         let removed = triangles.len() - some.len();
-        let winding = Winding::new(some);
         let began = cpu();
-        let (mut good, mut all) = (0usize, 0usize);
-        for node in (0..lattice.len()).step_by(7) {
-            let x = lattice.point(node);
-            if (x - middle).norm() < reach {
-                continue;
-            }
-            all += 1;
-            good += usize::from((winding.number(&x) > 0.5) == (values[node] < 0.0));
-        }
-        let seconds = 1e6 * (cpu() - began) / all as f64;
+        let inside = Inside::new(&TriangleMesh::new(mesh.vertices().to_vec(), some)?)?;
+        let found = inside.projector().map_feet(&nodes, |node, foot| {
+            foot.map_or(f64::NAN, |foot| inside.signed(&nodes[node].coords, &foot))
+        });
+        let seconds = 1e6 * (cpu() - began) / lattice.len() as f64;
+        let counted = |node: &usize| (nodes[*node].coords - middle).norm() >= reach;
+        let all = (0..nodes.len()).filter(counted).count();
+        let good = (0..nodes.len())
+            .filter(counted)
+            .filter(|&node| (found[node] < 0.0) == (values[node] < 0.0))
+            .count();
         println!(
             "{name} ({removed} triangles less): sign right on {:.3} % of nodes, {seconds:.2} us per node",
             100.0 * good as f64 / all as f64

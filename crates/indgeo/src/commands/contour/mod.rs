@@ -33,7 +33,7 @@ pub(crate) struct Args {
     #[arg(long, value_enum, default_value_t = Region::Auto)]
     inside: Region,
     /// Standard deviation of the Gaussian with which an image is smoothed, in pixels; what it does to bent edges is undone
-    /// [default: 1, for edges 1.5]
+    /// [default: 1; 1.5 for images of two values and for edges]
     #[arg(long, value_name = "PX", value_parser = numbers::not_negative)]
     smooth: Option<f64>,
     /// Largest distance between curves and level set, both ways [default: 0.1 pixel, of grids a tenth of a cell]

@@ -50,8 +50,12 @@ exact   every node for itself: certified for curves and surfaces, exact for poin
 zhao    fast sweeping, error of first order in the spacing
 tsai    nearest points carried from node to node: exact but for few nodes; not around obstacles
 fmm     fast marching, first order; fmm2: second order
-All but exact begin with exact distances next to the shape; curves and surfaces are then replaced by chords within a thousandth of a
-cell (`chord` of the report).
+All but exact begin with exact distances next to the shape. What tsai carries are points, segments and triangles: chords within a thousandth
+of a cell of curves, and within a hundredth of surfaces (`chord` of the report).
+
+With --signed the inside of a mesh does not depend on the side of its triangles: flipped ones are turned as their neighbours are, overlapping
+bodies are one, and holes are closed by the generalised winding number, which a warning says. A sheet, or a shell that is more open than
+closed, surrounds nothing and is refused.
 
 A scene: {\"domain\": [0, 1], \"source\": [x, y], \"polys\": [[[x, y], ...], ...], \"targets\": [[x, y], ...]}. Nodes inside of an obstacle
 get -1 (its boundary is free), nodes that cannot be reached are infinite. Ways lead to the targets and to each --path, exact

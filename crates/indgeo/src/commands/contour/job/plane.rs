@@ -17,9 +17,9 @@ use industrial_geometry::level_set::{
 use industrial_geometry::mesh::Polyline;
 use industrial_geometry::mesh::nalgebra::Vector2;
 
-/// Smoothing of images where none is given, in pixels; where edges are looked for, these need more.
+/// Smoothing of images where none is given, in pixels; steps of whole pixels need more, and so do edges that are looked for.
 const SMOOTHING: f64 = 1.0;
-const SMOOTHING_FOR_EDGES: f64 = 1.5;
+const SMOOTHING_OF_STEPS: f64 = 1.5;
 /// Tolerance where none is given, in cells.
 const TOLERANCE: f64 = 0.1;
 /// Least area where none is given, in pixels.
@@ -177,10 +177,15 @@ fn negated(grid: &Grid<2>, job: &Job<'_>) -> Result<Grid<2>, Error> {
     grid.with_values(values).map_err(|error| Error::content(job.input, error.to_string(), "check the grid"))
 }
 
+/// The usual smoothing: more where edges are steps of whole pixels.
+fn smoothing_of(image: &Image) -> f64 {
+    if image.is_black_and_white() { SMOOTHING_OF_STEPS } else { SMOOTHING }
+}
+
 fn of_image(job: &Job<'_>, image: &Image) -> Result<Found, Error> {
     let failed = |error: industrial_geometry::level_set::Error| refused(job.input, &error);
     without_effect(&[(job.bounds.is_some(), "--box")], "an image, whose unit is the pixel")?;
-    let usual = if job.method == Method::Edges { SMOOTHING_FOR_EDGES } else { SMOOTHING };
+    let usual = if job.method == Method::Edges { SMOOTHING_OF_STEPS } else { smoothing_of(image) };
     let smoothing = job.smooth.unwrap_or(usual);
     let inside = match job.inside {
         Region::Auto => Inside::Automatic,
@@ -267,7 +272,8 @@ pub(crate) fn of_source(
     tolerance: f64,
 ) -> Result<(LevelSetField<2>, Vec<FittedContour>), industrial_geometry::level_set::Error> {
     let level = threshold::otsu(image)?;
-    let field = contours(&image.level_function(level, Inside::Automatic, SMOOTHING)?, Saddles::Middle)?;
+    let field =
+        contours(&image.level_function(level, Inside::Automatic, smoothing_of(image))?, Saddles::Middle)?;
     let options = FitOptions::default().with_abs_tolerance(tolerance);
     let fitted = fit_contours(&field, field.contours(), &options)?;
     Ok((field, fitted))

@@ -14,14 +14,13 @@ use crate::report::wording::counted;
 use crate::report::{Input, Output, ReadSummary, Report, Timings};
 use crate::runtime::progress::Progress;
 use industrial_geometry::distance_field::grid::{
-    Element, Lattice, Medium, Scene, Seed, carry, march, seeds, seeds_on_faces, sweep,
+    Element, InsideRule, Lattice, Medium, Scene, Seed, carry, march, seeds, seeds_on_faces, sweep,
 };
 use industrial_geometry::io::{Content, ReadOptions};
 use industrial_geometry::level_set::Image;
-use industrial_geometry::mesh::MeshProjector;
 use industrial_geometry::mesh::nalgebra::{SVector, Vector2};
 use serde::Serialize;
-use shape::{Shape, Sides, SpaceShape};
+use shape::{Closest, Shape, Sides, SpaceShape};
 use std::path::Path;
 
 /// Nodes along the longest side where no grid is given, in the plane and in space.
@@ -58,6 +57,12 @@ impl Method {
             Self::Fmm => "fmm",
             Self::Fmm2 => "fmm2",
         }
+    }
+
+    /// Up to which distance from the source nodes are exact from the start.
+    fn margin<const D: usize>(self, lattice: &Lattice<D>) -> f64 {
+        let spacing = lattice.spacing();
+        if self == Self::Fmm2 { BALL * spacing.max() } else { spacing.norm() }
     }
 }
 
@@ -109,7 +114,7 @@ pub(crate) struct FieldResults {
     pub(crate) rounds: Option<usize>,
     /// Points, segments or triangles that stand for the shape, for methods that go from node to node.
     pub(crate) elements: Option<usize>,
-    /// Largest distance of a curve or surface from these; of the contours of an image from the curves as well.
+    /// Largest distance of a curve or surface from these, where they are carried; of the contours of an image from the curves as well.
     pub(crate) chord: Option<f64>,
     /// Shortest ways, as asked for.
     pub(crate) paths: Vec<PathResult>,
@@ -198,8 +203,8 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
             conclude(job, &lattice, found, form, timings, report)
         }
         Sides::Space(shape) => {
-            if let SpaceShape::Mesh { projector, winding, .. } = &shape {
-                warn_of_mesh(job.shape, projector, winding.is_some(), report);
+            if let SpaceShape::Mesh { closest, .. } = &shape {
+                warn_of_mesh(job.shape, closest, report);
             }
             let lattice = lattice::<3>(job, shape.bounds())?;
             let found = of_shape(job, &shape, &lattice, &mut timings)?;
@@ -208,19 +213,27 @@ pub(crate) fn run(job: &Job<'_>, report: &mut Report) -> Result<bool, Error> {
     }
 }
 
-/// Says what of a mesh does not count, and what tells its inside where it does not enclose one.
-fn warn_of_mesh(path: &Path, projector: &MeshProjector, by_winding: bool, report: &mut Report) {
+/// Says what of a mesh does not count, and what tells its inside where it does not bound a solid.
+fn warn_of_mesh(path: &Path, closest: &Closest, report: &mut Report) {
     let name = path.display();
+    let projector = closest.projector();
     if projector.skipped() > 0 {
         let count = counted(projector.skipped(), "triangle");
         report
             .warnings
             .push(format!("{name}: {count} without area or with coordinates that are not finite left out"));
     }
-    if by_winding {
+    let Closest::Signed(inside) = closest else { return };
+    if inside.turned() > 0 {
+        let count = counted(inside.turned(), "triangle");
+        report.warnings.push(format!("{name}: {count} turned to the side of their neighbours"));
+    }
+    if inside.rule() == InsideRule::Winding {
         report.warnings.push(format!(
-            "{name}: the mesh encloses no solid ({}): inside is where its generalised winding number exceeds one half",
-            projector.topology()
+            "{name}: the mesh bounds no simple solid ({}): inside is where its generalised winding number exceeds one half; seen from its \
+             triangles, {:.1} % of the inside is open",
+            projector.topology(),
+            100.0 * (1.0 - inside.closure())
         ));
     }
 }
@@ -297,7 +310,12 @@ fn in_scene(job: &Job<'_>, file: &scene_file::SceneFile, lattice: &Lattice<2>) -
             // Not through a wall.
             scene.distance(&lattice.point(seed.node)).is_some_and(|way| way <= seed.distance * (1.0 + 1e-9))
         };
-        found = by_method(job.method, lattice, &source, straight, &Medium { blocked, ..Medium::default() });
+        let mut near = seeds(lattice, &source, job.method.margin(lattice));
+        near.retain(straight);
+        if near.is_empty() {
+            near = seeds_on_faces(lattice, &source);
+        }
+        found = by_method(job.method, lattice, &source, &near, &Medium { blocked, ..Medium::default() });
         let inside = |node: usize| scene.is_blocked(&lattice.point(node));
         for node in 0..found.values.len() {
             if found.values[node].is_infinite() && inside(node) {
@@ -335,14 +353,16 @@ fn of_shape<const D: usize, S: Shape<D>>(
     } else {
         let cell = lattice.spacing().min();
         let (elements, chord) = shape.elements(cell, job.shape)?;
-        let mut found = by_method(job.method, lattice, &elements, |_| true, &Medium::default());
-        found.chord = chord;
+        let near = if job.method == Method::Tsai {
+            let near = seeds(lattice, &elements, job.method.margin(lattice));
+            if near.is_empty() { seeds_on_faces(lattice, &elements) } else { near }
+        } else {
+            exact::seeds_of(shape, lattice, &seeds(lattice, &elements, job.method.margin(lattice)))?
+        };
+        let mut found = by_method(job.method, lattice, &elements, &near, &Medium::default());
+        found.chord = chord.filter(|_| job.method == Method::Tsai);
         if job.signed {
-            for (node, value) in found.values.iter_mut().enumerate() {
-                if shape.is_inside(&lattice.point(node)) {
-                    *value = -*value;
-                }
-            }
+            exact::turn_inside(shape, lattice, &mut found.values)?;
         }
         found
     };
@@ -356,21 +376,14 @@ fn by_method<const D: usize>(
     method: Method,
     lattice: &Lattice<D>,
     elements: &[Element<D>],
-    keep: impl Fn(&Seed) -> bool,
+    near: &[Seed],
     medium: &Medium,
 ) -> Found {
-    let spacing = lattice.spacing();
-    let margin = if method == Method::Fmm2 { BALL * spacing.max() } else { spacing.norm() };
-    let mut near = seeds(lattice, elements, margin);
-    near.retain(keep);
-    if near.is_empty() {
-        near = seeds_on_faces(lattice, elements);
-    }
     let (values, rounds) = match method {
-        Method::Exact | Method::Zhao => sweep(lattice, &near, medium),
-        Method::Tsai => carry(lattice, elements, &near),
-        Method::Fmm => (march(lattice, &near, medium, false), 0),
-        Method::Fmm2 => (march(lattice, &near, medium, true), 0),
+        Method::Exact | Method::Zhao => sweep(lattice, near, medium),
+        Method::Tsai => carry(lattice, elements, near),
+        Method::Fmm => (march(lattice, near, medium, false), 0),
+        Method::Fmm2 => (march(lattice, near, medium, true), 0),
     };
     Found {
         values,

@@ -4,8 +4,8 @@ use super::MARGIN;
 use crate::commands::contour::job::plane::of_source;
 use crate::error::Error;
 use crate::input::image_or_grid::refused;
-use industrial_geometry::distance_field::LevelSetField;
-use industrial_geometry::distance_field::grid::{Element, Outline, Winding};
+use industrial_geometry::distance_field::grid::{Element, Inside, Outline};
+use industrial_geometry::distance_field::{Error as FieldError, LevelSetField};
 use industrial_geometry::footpoint::{
     CurveProjector, ProjectionOptions, Status, SurfaceProjector, no_progress,
 };
@@ -16,8 +16,9 @@ use industrial_geometry::mesh::{CloudIndex, MeshProjector, TriangleMesh};
 use industrial_geometry::nurbs::{BsplineCurve, BsplineSurface, ParametricCurve, TessellationOptions};
 use std::path::Path;
 
-/// Chord tolerance of the elements that stand for curves and surfaces, in cells.
+/// Chord tolerance of the elements that stand for curves and for surfaces, in cells.
 const CHORD: f64 = 1e-3;
+const CHORD_OF_SURFACES: f64 = 1e-2;
 /// Chord tolerance of the outline that decides what is inside of curves, in their size.
 const OUTLINE: f64 = 1e-6;
 /// Largest distance of curves from the contours of an image, in pixels.
@@ -36,8 +37,8 @@ pub(super) trait Shape<const D: usize> {
     /// Points, segments and triangles in its place for cells of this size, and how far the shape is from them at most.
     fn elements(&self, cell: f64, path: &Path) -> Result<(Vec<Element<D>>, Option<f64>), Error>;
 
-    /// Whether a point is inside.
-    fn is_inside(&self, x: &SVector<f64, D>) -> bool;
+    /// Which of some points are inside.
+    fn inside(&self, points: &[SVector<f64, D>]) -> Result<Vec<bool>, Error>;
 }
 
 /// A shape by the space it lies in.
@@ -62,8 +63,25 @@ pub(super) enum PlaneShape {
 /// A shape in space.
 pub(super) enum SpaceShape {
     Points(Vec<Vector3<f64>>, CloudIndex<3>),
-    Mesh { mesh: TriangleMesh, projector: Box<MeshProjector>, winding: Option<Winding> },
+    Mesh { mesh: TriangleMesh, closest: Closest },
     Nurbs { surfaces: Vec<BsplineSurface>, curves: Vec<BsplineCurve<3>>, projectors: Box<Projectors> },
+}
+
+/// Closest points of a mesh.
+pub(super) enum Closest {
+    /// Without a sign.
+    Plain(Box<MeshProjector>),
+    /// Negative inside.
+    Signed(Box<Inside>),
+}
+
+impl Closest {
+    pub(super) fn projector(&self) -> &MeshProjector {
+        match self {
+            Self::Plain(projector) => projector,
+            Self::Signed(inside) => inside.projector(),
+        }
+    }
 }
 
 /// Projectors of surfaces and of curves.
@@ -98,11 +116,21 @@ pub(super) fn of_content(content: Content, path: &Path, signed: bool) -> Result<
             })
         }
         Content::Mesh(mesh) => {
-            let projector = MeshProjector::new(&mesh).map_err(|error| fail(error.to_string()))?;
-            let corners = |triangle: &[u32; 3]| triangle.map(|k| mesh.vertices()[k as usize].coords);
-            let winding = (signed && !projector.is_solid())
-                .then(|| Winding::new(mesh.triangles().iter().map(corners).collect()));
-            Ok(Sides::Space(SpaceShape::Mesh { mesh, projector: Box::new(projector), winding }))
+            let closest = if signed {
+                let inside = Inside::new(&mesh).map_err(|error| match error {
+                    FieldError::NoInside { .. } => Error::content(
+                        path,
+                        error.to_string(),
+                        "leave out --signed, or give a mesh of a body",
+                    ),
+                    _ => fail(error.to_string()),
+                })?;
+                Closest::Signed(Box::new(inside))
+            } else {
+                let projector = MeshProjector::new(&mesh).map_err(|error| fail(error.to_string()))?;
+                Closest::Plain(Box::new(projector))
+            };
+            Ok(Sides::Space(SpaceShape::Mesh { mesh, closest }))
         }
         Content::Nurbs(model) => of_shapes(model.into_shapes(), path, signed),
     }
@@ -205,6 +233,17 @@ fn with_sign(distance: f64, is_inside: bool) -> f64 {
     if is_inside { -distance } else { distance }
 }
 
+impl PlaneShape {
+    /// Whether a point is inside.
+    fn holds(&self, x: &Vector2<f64>) -> bool {
+        match self {
+            Self::Points(..) => false,
+            Self::Curves(_, _, outline) => outline.holds(x),
+            Self::Image { level, .. } => level.value(x) < 0.0,
+        }
+    }
+}
+
 impl Shape<2> for PlaneShape {
     fn bounds(&self) -> Option<(Vector2<f64>, Vector2<f64>)> {
         match self {
@@ -226,7 +265,7 @@ impl Shape<2> for PlaneShape {
                     found.map_err(|error| Error::usage(error.to_string(), "see `indgeo field --help`"))?;
                 let signed = |(foot, x): (_, &Vector2<f64>)| {
                     let foot: industrial_geometry::footpoint::CurveFootpoint<2> = foot;
-                    (with_sign(foot.distance, signed && self.is_inside(x)), is_proven(foot.status))
+                    (with_sign(foot.distance, signed && self.holds(x)), is_proven(foot.status))
                 };
                 Ok(found.into_iter().zip(points).map(signed).collect())
             }
@@ -242,12 +281,8 @@ impl Shape<2> for PlaneShape {
         }
     }
 
-    fn is_inside(&self, x: &Vector2<f64>) -> bool {
-        match self {
-            Self::Points(..) => false,
-            Self::Curves(_, _, outline) => outline.holds(x),
-            Self::Image { level, .. } => level.value(x) < 0.0,
-        }
+    fn inside(&self, points: &[Vector2<f64>]) -> Result<Vec<bool>, Error> {
+        Ok(points.iter().map(|x| self.holds(x)).collect())
     }
 }
 
@@ -287,17 +322,12 @@ impl Shape<3> for SpaceShape {
     fn distances(&self, points: &[Vector3<f64>], signed: bool) -> Result<Vec<(f64, bool)>, Error> {
         match self {
             Self::Points(_, index) => Ok(nearest(index, points)),
-            Self::Mesh { projector, winding, .. } => {
+            Self::Mesh { closest, .. } => {
                 let queries: Vec<Point3<f64>> = points.iter().copied().map(Point3::from).collect();
-                Ok(projector.map_feet(&queries, |i, found| {
-                    let Ok(foot) = found else { return (f64::INFINITY, false) };
-                    match (signed, foot.signed_distance, winding) {
-                        (true, Some(distance), _) => (distance, true),
-                        (true, None, Some(winding)) => {
-                            (with_sign(foot.distance, winding.number(&points[i]) > 0.5), true)
-                        }
-                        _ => (foot.distance, true),
-                    }
+                Ok(closest.projector().map_feet(&queries, |i, found| match (found, closest) {
+                    (Err(_), _) => (f64::INFINITY, false),
+                    (Ok(foot), Closest::Signed(inside)) if signed => (inside.signed(&points[i], &foot), true),
+                    (Ok(foot), _) => (foot.distance, true),
                 }))
             }
             Self::Nurbs { projectors, .. } => {
@@ -339,8 +369,8 @@ impl Shape<3> for SpaceShape {
                 Ok((triangles.filter(Element::is_finite).collect(), None))
             }
             Self::Nurbs { surfaces, curves, .. } => {
-                let chord = CHORD * cell;
-                let mut out = segments(curves, chord, path)?;
+                let mut out = segments(curves, CHORD * cell, path)?;
+                let chord = if surfaces.is_empty() { CHORD } else { CHORD_OF_SURFACES } * cell;
                 for surface in surfaces {
                     let found = surface.tessellate(&TessellationOptions::new(chord));
                     let found = found.map_err(|error| tessellation(&error, path))?;
@@ -352,19 +382,7 @@ impl Shape<3> for SpaceShape {
         }
     }
 
-    fn is_inside(&self, x: &Vector3<f64>) -> bool {
-        match self {
-            Self::Points(..) => false,
-            Self::Mesh { projector, winding, .. } => match winding {
-                Some(winding) => winding.number(x) > 0.5,
-                None => projector
-                    .project(&Point3::from(*x))
-                    .is_ok_and(|foot| foot.signed_distance.is_some_and(|d| d < 0.0)),
-            },
-            Self::Nurbs { projectors, .. } => {
-                let foot = projectors.surfaces.as_ref().map(|projector| projector.project(x));
-                foot.is_some_and(|foot| foot.signed_distance < 0.0)
-            }
-        }
+    fn inside(&self, points: &[Vector3<f64>]) -> Result<Vec<bool>, Error> {
+        Ok(self.distances(points, true)?.into_iter().map(|(distance, _)| distance < 0.0).collect())
     }
 }
