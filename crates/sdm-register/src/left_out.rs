@@ -44,28 +44,3 @@ pub fn surface_left_out(points: &[Vector3<f64>], is_out: &[bool]) -> Vec<bool> {
     }
     found
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::start::random::Random;
-
-    #[test]
-    fn scattered_points_are_told_from_a_patch() {
-        let mut random = Random::new(4);
-        let mut points: Vec<Vector3<f64>> =
-            (0..3000).map(|_| Vector3::new(random.unit(), random.unit(), 0.0)).collect();
-        let patch = (0..40).map(|_| Vector3::new(0.1 * random.unit(), 0.1 * random.unit(), 0.3));
-        let patch: Vec<_> = patch.collect();
-        points.extend(patch);
-        points.extend((0..300).map(|_| Vector3::from_fn(|_, _| random.unit())));
-        points.push(Vector3::repeat(f64::NAN));
-        let is_out: Vec<bool> = (0..points.len()).map(|i| i >= 3000).collect();
-        let found = surface_left_out(&points, &is_out);
-        assert!(found[..3000].iter().all(|found| !found));
-        assert!(found[3000..3040].iter().filter(|found| **found).count() >= 36);
-        assert!(found[3040..].iter().filter(|found| **found).count() <= 15);
-        assert!(!found[3340]);
-        assert!(surface_left_out(&points[..3], &[true, false, true]).iter().all(|found| !found));
-    }
-}

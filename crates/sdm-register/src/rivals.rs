@@ -9,14 +9,18 @@ use std::f64::consts::TAU;
 /// Points that are looked at; of those, how many that do not fit, and that do, are turned.
 const LOOKED_AT: usize = 6000;
 const MISFITS: usize = 80;
-const FITTING: usize = 40;
+const FITTING: usize = 80;
 /// Distances, in standard deviations of the noise, from which a point does not fit; and the smallest noise, as a share of the size.
 const CUT: f64 = 4.0;
 const LEAST: f64 = 2e-4;
 /// Distance beyond which all points fit alike, as a share of the size.
 const LIMIT: f64 = 0.012;
-/// Most poses that are found.
+/// Most poses that are found, and of those that are known to two degrees, most that are looked at more closely: at so many turns to either side,
+/// radians apart.
 const MOST: usize = 8;
+const REFINED: usize = 24;
+const BESIDE: i32 = 3;
+const STEP: f64 = 0.01;
 /// Root mean square displacement, as a share of the size, from which two poses are two.
 const APART: f64 = 0.03;
 /// Of a ball: places of the points that do not fit, places of the model that are not on the ball, and turns about each.
@@ -58,6 +62,7 @@ pub fn rival_poses(
     };
     let cost = |rotation: &Matrix3<f64>| telling.cost(field, &turned(rotation), LIMIT * size);
     let mut found: Vec<(f64, Matrix3<f64>)> = Vec::new();
+    let mut rough: Vec<(f64, Matrix3<f64>, Vector3<f64>)> = Vec::new();
     if turning.is_spherical {
         let all = onto_bumps(field, samples, &telling.misfits, &centre, size);
         let costs = parallel::tasks(all.len(), |k| cost(&all[k]));
@@ -72,9 +77,20 @@ pub fn rival_poses(
                 let (before, after) = (costs[(k + count - 1) % count], costs[(k + 1) % count]);
                 costs[k].is_finite() && costs[k] <= before && costs[k] < after
             };
-            found.extend((0..count).filter(|k| is_least(*k)).map(|k| (costs[k], ring.rotations[k])));
+            let least = (0..count).filter(|k| is_least(*k));
+            rough.extend(least.map(|k| (costs[k], ring.rotations[k], ring.axis)));
         }
     }
+    rough.sort_by(|a, b| a.0.total_cmp(&b.0));
+    rough.truncate(REFINED);
+    found.extend(parallel::tasks(rough.len(), |k| {
+        let (known, rotation, axis) = &rough[k];
+        let beside = (-BESIDE..=BESIDE).filter(|step| *step != 0).map(|step| {
+            let turn = rotation::exponential::<3>(&(axis * (STEP * f64::from(step)))).0 * rotation;
+            (cost(&turn), turn)
+        });
+        beside.fold((*known, *rotation), |best, other| if other.0 < best.0 { other } else { best })
+    }));
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     let places: Vec<Vector3<f64>> =
         thin_evenly(samples.len(), 300).into_iter().map(|i| samples.points()[i] - centre).collect();

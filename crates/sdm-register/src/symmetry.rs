@@ -10,6 +10,8 @@ const COARSE_POINTS: usize = 300;
 const POINTS: usize = 600;
 /// Points by which is judged whether all of the shape lies on itself.
 const CHECKED: usize = 6000;
+/// How much farther than few points all may be: holes of meshes are polygons.
+const ROUNDED: f64 = 5.0;
 /// Root mean square displacement, as a share of the size, by which a motion may be known.
 const MOVED: f64 = 0.01;
 /// Most motions that are found: 60 is what an icosahedron has, 2n a prism with n sides.
@@ -100,7 +102,7 @@ fn lies_on_itself(
     let every = samples.points().iter().step_by(samples.len().div_ceil(CHECKED).max(1));
     let moved: Vec<Vector3<f64>> = every.map(|x| motion.apply(x)).collect();
     let frames = field.frames(&moved, Search::Global, &[]);
-    frames.iter().all(|frame| frame.is_finite() && frame.distance.abs() <= tolerance)
+    frames.iter().all(|frame| frame.is_finite() && frame.distance.abs() <= ROUNDED * tolerance)
 }
 
 /// The registration of points of a shape to it from a motion.

@@ -24,6 +24,7 @@ const ROUND: f64 = 0.9;
 /// All turns about an axis, in order: by themselves, or each after half a turn about a line across.
 #[derive(Debug)]
 pub(crate) struct Ring {
+    pub(crate) axis: Vector3<f64>,
     pub(crate) rotations: Vec<Matrix3<f64>>,
     /// Whether most of the shape lies on itself after each.
     pub(crate) is_near: Vec<bool>,
@@ -67,7 +68,7 @@ impl Turning {
                 let placement = Placement { rotation: *rotation, shift: Vector3::zeros() };
                 scorer.share_and_rms(&placement, &some, some.len(), LIMIT).0 >= MOST
             });
-            Ring { is_near: is_near.collect(), rotations }
+            Ring { axis, is_near: is_near.collect(), rotations }
         };
         let rings = parallel::tasks(6, ring);
         let is_spherical = rings.iter().all(Ring::is_round);
@@ -76,40 +77,5 @@ impl Turning {
         let has_any =
             rings.iter().enumerate().any(|(k, ring)| (0..STEPS).any(|i| ring.is_near[i] && is_far(k, i)));
         has_any.then_some(Self { centre, rings, is_spherical })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::start::random::Random;
-
-    /// Points of a disc with a rim, or of a sphere.
-    fn body(is_sphere: bool) -> OrientedPoints {
-        let mut random = Random::new(3);
-        let points: Vec<Vector3<f64>> = (0..4000)
-            .map(|k| {
-                let angle = TAU * random.unit();
-                if is_sphere {
-                    let z = 2.0 * random.unit() - 1.0;
-                    let r = (1.0 - z * z).sqrt();
-                    Vector3::new(r * angle.cos(), r * angle.sin(), z)
-                } else {
-                    let r = random.unit().sqrt();
-                    Vector3::new(r * angle.cos(), r * angle.sin(), if k % 2 == 0 { 0.0 } else { 0.2 })
-                }
-            })
-            .collect();
-        OrientedPoints::without_normals(&points).unwrap()
-    }
-
-    #[test]
-    fn discs_turn_about_one_axis_and_spheres_about_all() {
-        let disc = Turning::of(&body(false)).unwrap();
-        assert_eq!(disc.rings.iter().filter(|ring| ring.is_round()).count(), 2);
-        assert!(!disc.is_spherical && Turning::of(&body(true)).unwrap().is_spherical);
-        // Half a turn about a line across the axis lays the disc on itself, a quarter does not.
-        let across = disc.rings.iter().find(|ring| !ring.is_round()).unwrap();
-        assert!(across.is_near[90] && !across.is_near[45]);
     }
 }

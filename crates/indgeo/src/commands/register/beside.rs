@@ -8,7 +8,10 @@ use crate::commands::register::starts::is_same;
 use crate::error::Error;
 use crate::runtime::progress::Progress;
 use industrial_geometry::register::start::OrientedPoints;
-use industrial_geometry::register::{Comparison, Pose, RegisterReport};
+use industrial_geometry::register::{Comparison, Pose, RegisterOptions, RegisterReport};
+
+/// Steps of a first look: where a turn is hardly fixed there would be many.
+const MOST_STEPS: usize = 30;
 
 /// A registration whose model may have near symmetries.
 pub(crate) struct Beside<'a> {
@@ -48,7 +51,9 @@ impl Positions for Beside<'_> {
     }
 
     fn few(&self, start: &Pose<3>) -> Result<RegisterReport<3>, Error> {
-        register_few(self.job, self.field, self.cloud, start, self.progress)
+        let most = self.job.options.max_iterations.min(MOST_STEPS);
+        let job = Job { options: RegisterOptions { max_iterations: most, ..self.job.options }, ..*self.job };
+        register_few(&job, self.field, self.cloud, start, self.progress)
     }
 
     fn all(&self, start: &Pose<3>) -> Result<RegisterReport<3>, Error> {

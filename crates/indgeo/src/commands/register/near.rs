@@ -8,7 +8,7 @@ use industrial_geometry::register::{Comparison, Pose, RegisterReport};
 const TRIED: usize = 12;
 const LOOKED_AT: usize = 3;
 /// Largest score of a position that fits.
-const FITTING: f64 = 0.3;
+const FITTING: f64 = 0.5;
 /// How often the position may change.
 const ROUNDS: usize = 3;
 
@@ -64,14 +64,15 @@ pub(crate) fn best(
             if positions.comparison([&leader, pose]).is_second_better() { *pose } else { leader }
         });
         if positions.is_same(&leader, &best.pose) {
-            others.as_good = as_good(positions, &best.pose, &found)?;
+            others.as_good = as_good(positions, &best, &found)?;
             break;
         }
         let other = positions.all(&leader)?;
-        if !other.is_converged() || !positions.comparison([&best.pose, &other.pose]).is_second_better() {
-            others.as_good = as_good(positions, &best.pose, &found)?;
+        if !positions.comparison([&best.pose, &other.pose]).is_second_better() {
+            others.as_good = as_good(positions, &best, &found)?;
             break;
         }
+        // Even where the iteration came to no rest, the points do not belong where they were.
         others.is_taken = true;
         // What was told of the way there is that of the first result.
         best = RegisterReport {
@@ -92,11 +93,20 @@ fn rivals(positions: &dyn Positions, pose: &Pose<3>) -> Result<Vec<Pose<3>>, Err
     let mut starts: Vec<(f64, Pose<3>)> =
         beside.into_iter().map(|start| (positions.score(&start), start)).collect();
     starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut tried: Vec<Pose<3>> = Vec::new();
     let mut found: Vec<Pose<3>> = Vec::new();
-    for (_, start) in starts.iter().take(TRIED) {
+    for (_, start) in &starts {
+        if tried.iter().any(|known| positions.is_same(known, start)) {
+            continue;
+        }
+        if tried.len() == TRIED {
+            break;
+        }
+        tried.push(*start);
+        // Where hardly anything fixes a turn the iteration may be slow, and its end worth a comparison all the same.
         let end = positions.few(start)?;
         let is_new = |known: &Pose<3>| !positions.is_same(known, &end.pose);
-        if end.is_converged() && is_new(pose) && found.iter().all(is_new) {
+        if end.pose.is_finite() && is_new(pose) && found.iter().all(is_new) {
             found.push(end.pose);
         }
     }
@@ -104,8 +114,14 @@ fn rivals(positions: &dyn Positions, pose: &Pose<3>) -> Result<Vec<Pose<3>>, Err
 }
 
 /// Those of other poses in which the points fit about as well, though the model is not the same there.
-fn as_good(positions: &dyn Positions, pose: &Pose<3>, others: &[Pose<3>]) -> Result<Vec<Pose<3>>, Error> {
-    if positions.score(pose) > FITTING {
+fn as_good(
+    positions: &dyn Positions,
+    result: &RegisterReport<3>,
+    others: &[Pose<3>],
+) -> Result<Vec<Pose<3>>, Error> {
+    let pose = &result.pose;
+    // Of motions that the points leave free there is no other position.
+    if positions.score(pose) > FITTING || !result.free_motions.is_empty() {
         return Ok(Vec::new());
     }
     let is_open = |other: &Pose<3>| {
@@ -115,7 +131,7 @@ fn as_good(positions: &dyn Positions, pose: &Pose<3>, others: &[Pose<3>]) -> Res
     for other in others.iter().filter(|other| is_open(other)).take(LOOKED_AT) {
         // Few points know a pose roughly.
         let end = positions.all(other)?;
-        if end.is_converged() && !positions.is_same(pose, &end.pose) && is_open(&end.pose) {
+        if end.pose.is_finite() && !positions.is_same(pose, &end.pose) && is_open(&end.pose) {
             open.push(end.pose);
         }
     }

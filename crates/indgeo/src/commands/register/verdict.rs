@@ -8,7 +8,8 @@ use crate::commands::register::sight::Sights;
 use crate::error::Error;
 use industrial_geometry::mesh::nalgebra::{Matrix3x6, Matrix6, Vector3};
 use industrial_geometry::register::{
-    Coverage, Doubt, Pose, RegisterOptions, RegisterReport, Status, Support, is_flat, shows_a_surface,
+    Coverage, Doubt, FreeMotion, Pose, RegisterOptions, RegisterReport, Status, Support, is_flat,
+    shows_a_surface,
 };
 
 /// Uncertainty of the pose at the corners of the model, as a share of its size, that is told, and from which on the pose is open.
@@ -126,9 +127,9 @@ pub(crate) fn warning(result: &RegisterReport<3>, checks: &Checks, job: &Job<'_>
         }
         Some(Doubt::Unfixed) => {
             return Some(format!(
-                "the pose is not determined ({support}): the points leave a {} open, which what was left out, or what {model} has elsewhere, \
+                "the pose is not determined ({support}): the points leave open {}, which what was left out, or what {model} has elsewhere, \
                  would fix: give scans that have more in common, points of more of the model, or another start (--init, --start global)",
-                result.free_motions.iter().map(ToString::to_string).collect::<Vec<_>>().join(", a ")
+                result.free_motions.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
             ));
         }
         Some(Doubt::FewPoints) => {
@@ -214,7 +215,10 @@ fn is_fixed_by_model(
     }
     let RegistrationField::Space(field) = field else { return false };
     let Some(samples) = model.few_samples() else { return false };
-    result.free_motions.iter().any(|free| free.is_fixed_by(field.as_ref(), &samples))
+    // Ends that the points lie between hold shifts, and turns in a plane, though none of the points resists them.
+    let shifts = result.free_motions.iter().filter(|free| matches!(free, FreeMotion::Translation { .. }));
+    let mut turns = result.free_motions.iter().filter(|free| matches!(free, FreeMotion::Rotation { .. }));
+    shifts.count() <= 1 && turns.any(|free| free.is_fixed_by(field.as_ref(), &samples))
 }
 
 /// Why a pose of a cloud on a cloud is not believed: distances that two scans of one thing do not have, a model that shows no surface, or
