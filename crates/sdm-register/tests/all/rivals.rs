@@ -38,7 +38,7 @@ fn a_prism_with_one_corner_cut_is_turned_to_where_it_belongs() {
         let found = rival_poses(&field, &samples, &points, &wrong);
         let off = |pose: &Pose<3>| points.iter().map(|x| (pose.apply(x) - x).norm()).fold(0.0, f64::max);
         let offsets: Vec<f64> = found.iter().map(off).collect();
-        assert!(offsets.iter().any(|off| *off < 0.03), "{steps}: {offsets:?}");
+        assert!(offsets.iter().any(|off| *off < 0.05), "{steps}: {offsets:?}");
         // The poses are roughly known; that to which a registration leads from there is the identity.
         let [own, other] = [&wrong, &Pose::identity()].map(|pose| distances(&field, &points, pose));
         assert!(Comparison::of(&own, &other, 2.0).is_second_better(), "{steps}");
