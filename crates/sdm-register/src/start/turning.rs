@@ -60,7 +60,8 @@ impl Turning {
         let ring = |k: usize| {
             let axis = axes.column(k / 2).into_owned();
             let across = axes.column((k / 2 + 1) % 3) * PI;
-            let first = if k % 2 == 0 { Matrix3::identity() } else { rotation::exponential::<3>(&across).0 };
+            let first =
+                if k.is_multiple_of(2) { Matrix3::identity() } else { rotation::exponential::<3>(&across).0 };
             let rotations: Vec<Matrix3<f64>> = (0..STEPS)
                 .map(|i| rotation::exponential::<3>(&(axis * (TAU * i as f64 / STEPS as f64))).0 * first)
                 .collect();
@@ -73,7 +74,7 @@ impl Turning {
         let rings = parallel::tasks(6, ring);
         let is_spherical = rings.iter().all(Ring::is_round);
         // What is next to the identity is none.
-        let is_far = |k: usize, i: usize| k % 2 == 1 || (NEXT..=STEPS - NEXT).contains(&i);
+        let is_far = |k: usize, i: usize| !k.is_multiple_of(2) || (NEXT..=STEPS - NEXT).contains(&i);
         let has_any =
             rings.iter().enumerate().any(|(k, ring)| (0..STEPS).any(|i| ring.is_near[i] && is_far(k, i)));
         has_any.then_some(Self { centre, rings, is_spherical })
