@@ -30,6 +30,7 @@
 //! object to each other, all at once.
 
 mod anderson;
+mod comparison;
 mod constraint;
 mod correlation;
 mod covariance;
@@ -39,10 +40,12 @@ mod eigen;
 mod ending;
 mod error;
 mod evidence;
+mod fixed;
 mod flat;
 mod free_motion;
 mod free_space;
 mod iterate;
+mod left_out;
 mod lifted;
 mod linearise;
 mod method;
@@ -56,6 +59,7 @@ mod plan;
 mod register;
 mod report;
 mod resolution;
+mod rivals;
 mod scale_start;
 mod slide_back;
 mod solve;
@@ -68,6 +72,7 @@ mod view;
 pub mod views;
 mod weights;
 
+pub use comparison::Comparison;
 pub use constraint::Locks;
 pub use covariance::Covariance;
 pub use coverage::Coverage;
@@ -77,6 +82,7 @@ pub use flat::is_flat;
 pub use free_motion::FreeMotion;
 pub use free_space::{FreeSpace, Rays, Viewpoint};
 pub use iterate::Progress;
+pub use left_out::surface_left_out;
 pub use lifted::{FeatureApproach, FeatureMatching};
 pub use method::Method;
 pub use motion::{Displacement, Pose, Velocity, rotation};
@@ -84,11 +90,12 @@ pub use options::RegisterOptions;
 pub use register::{no_progress, register, register_rest, register_some, register_with_progress};
 pub use report::{RegisterReport, RegisterStep};
 pub use resolution::shows_a_surface;
+pub use rivals::rival_poses;
 pub use sdm_core::{FootpointPolicy, Status, StepControl};
 pub use source::{NonFinite, Source};
 pub use superpose::superpose;
 pub use support::{Doubt, Support};
-pub use symmetry::{symmetries, symmetries_and_near};
+pub use symmetry::{is_symmetry, symmetries, symmetries_and_near};
 pub use weights::{Kernel, Outliers, Rejection};
 
 // The crates whose types occur in the interface of this one.

@@ -66,12 +66,14 @@ pub enum Doubt {
     FreeSpace,
     /// The distances are more than noise, and the points fit distinctly better in another position, which is none that the start leads to.
     Elsewhere,
+    /// The points fit as well in another position, to which a near symmetry of the model leads, but in which the model is not the same.
+    Rival,
     /// The mirror image of the points fits distinctly better: a part of the other hand, or axes that are left-handed.
     Mirrored,
     /// The model is a cloud that shows no surface: see [`shows_a_surface`](crate::shows_a_surface).
     Unresolved,
-    /// The points that count leave motions free, and many others were left out, which might fix them: status
-    /// [`Status::Underdetermined`].
+    /// The points that count leave motions free, and many others were left out, which might fix them, or the model has places that would
+    /// ([`FreeMotion::is_fixed_by`](crate::FreeMotion::is_fixed_by)): status [`Status::Underdetermined`].
     Unfixed,
 }
 
@@ -89,6 +91,7 @@ impl Doubt {
             | Self::Bare
             | Self::FreeSpace
             | Self::Elsewhere
+            | Self::Rival
             | Self::Mirrored
             | Self::Unresolved => Status::Doubtful,
         }
@@ -106,6 +109,7 @@ impl Doubt {
             Self::Bare => "bare",
             Self::FreeSpace => "free_space",
             Self::Elsewhere => "elsewhere",
+            Self::Rival => "rival",
             Self::Mirrored => "mirrored",
             Self::Unresolved => "unresolved",
             Self::Unfixed => "unfixed",

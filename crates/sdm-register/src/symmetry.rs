@@ -1,13 +1,19 @@
 //! The motions that carry a shape into itself.
 
 use crate::start::{OrientedPoints, Placement, axis_placements, refine_placement};
-use crate::{Outliers, Pose, RegisterOptions, Source, parallel, register, rotation};
+use crate::{Outliers, Pose, RegisterOptions, RegisterReport, Source, parallel, register, rotation};
 use distance_field::{DistanceField, Search};
 use nalgebra::Vector3;
 
 /// Points of the shape that are laid on it, in the coarse look and in the exact one.
 const COARSE_POINTS: usize = 300;
 const POINTS: usize = 600;
+/// Points by which is judged whether all of the shape lies on itself.
+const CHECKED: usize = 6000;
+/// How much farther than few points all may be: holes of meshes are polygons.
+const ROUNDED: f64 = 5.0;
+/// Root mean square displacement, as a share of the size, by which a motion may be known.
+const MOVED: f64 = 0.01;
 /// Most motions that are found: 60 is what an icosahedron has, 2n a prism with n sides.
 const MOST: usize = 240;
 /// Largest distance, as a share of the size of the shape, of points that a motion lays on the shape.
@@ -64,6 +70,51 @@ pub fn symmetries_and_near(
     (group, near)
 }
 
+/// Whether a motion carries a shape into itself but for `abs_tolerance`, and for what it is roughly known by: a hundredth of its size.
+///
+/// `samples` are points with normals spread evenly over the shape.
+#[must_use]
+pub fn is_symmetry(
+    field: &dyn DistanceField<3>,
+    samples: &OrientedPoints,
+    motion: &Pose<3>,
+    abs_tolerance: f64,
+) -> bool {
+    let size = samples.bounding_box().map_or(0.0, |bounds| bounds.diagonal());
+    let every = |most: usize| samples.points().iter().step_by(samples.len().div_ceil(most).max(1));
+    let points: Vec<Vector3<f64>> = every(POINTS).copied().collect();
+    let tolerance = abs_tolerance.max(EXACT * size);
+    let Some(found) = next_to(field, &points, motion).filter(|found| found.pose.is_finite()) else {
+        return false;
+    };
+    let moved = points.iter().map(|x| (found.pose.apply(x) - motion.apply(x)).norm_squared()).sum::<f64>();
+    moved <= (MOVED * size).powi(2) * points.len() as f64
+        && lies_on_itself(field, samples, &found.pose, tolerance)
+}
+
+/// Whether a motion lays all samples of a shape on it but for a tolerance.
+fn lies_on_itself(
+    field: &dyn DistanceField<3>,
+    samples: &OrientedPoints,
+    motion: &Pose<3>,
+    tolerance: f64,
+) -> bool {
+    let every = samples.points().iter().step_by(samples.len().div_ceil(CHECKED).max(1));
+    let moved: Vec<Vector3<f64>> = every.map(|x| motion.apply(x)).collect();
+    let frames = field.frames(&moved, Search::Global, &[]);
+    frames.iter().all(|frame| frame.is_finite() && frame.distance.abs() <= ROUNDED * tolerance)
+}
+
+/// The registration of points of a shape to it from a motion.
+fn next_to(
+    field: &dyn DistanceField<3>,
+    points: &[Vector3<f64>],
+    from: &Pose<3>,
+) -> Option<RegisterReport<3>> {
+    let options = RegisterOptions::default().with_outliers(Outliers::None).with_max_iterations(30);
+    register(field, &Source::new(points), from, &options).ok()
+}
+
 /// The group of the motions next to rough ones that carry a shape into itself; `None` where one of them is not alone.
 fn exact(
     field: &dyn DistanceField<3>,
@@ -78,6 +129,11 @@ fn exact(
     let points: Vec<Vector3<f64>> = samples.points().iter().copied().step_by(step).collect();
     let Some(Some(_)) = exactly(field, &points, &identity, tolerance) else { return None };
     let exact = parallel::tasks(rough.len(), |k| exactly(field, &points, &rough[k], tolerance));
+    // Few points do not meet every small hole.
+    let exact = exact.into_iter().map(|found| match found {
+        Some(Some(motion)) if !lies_on_itself(field, samples, &motion, tolerance) => None,
+        other => other,
+    });
     let mut group = vec![identity];
     let mut generators: Vec<Pose<3>> = Vec::new();
     let centre = points.iter().sum::<Vector3<f64>>() / points.len().max(1) as f64;
@@ -85,7 +141,7 @@ fn exact(
         let turn = rotation::logarithm(&(a.rotation.transpose() * b.rotation)).norm();
         turn < SAME && (a.apply(&centre) - b.apply(&centre)).norm() < SAME * size
     };
-    for found in exact.into_iter().flatten() {
+    for found in exact.flatten() {
         let found = found?;
         if !group.iter().any(|known| same(known, &found)) {
             generators.push(found);
@@ -142,8 +198,7 @@ fn exactly(
     from: &Pose<3>,
     tolerance: f64,
 ) -> Option<Option<Pose<3>>> {
-    let options = RegisterOptions::default().with_outliers(Outliers::None).with_max_iterations(30);
-    let report = register(field, &Source::new(points), from, &options).ok()?;
+    let report = next_to(field, points, from)?;
     let moved: Vec<Vector3<f64>> = points.iter().map(|x| report.pose.apply(x)).collect();
     let frames = field.frames(&moved, Search::Global, &[]);
     let fits = frames.iter().all(|frame| frame.is_finite() && frame.distance.abs() <= tolerance);

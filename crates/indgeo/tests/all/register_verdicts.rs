@@ -249,9 +249,10 @@ fn a_plate_that_lies_the_wrong_way_round_is_turned() {
     // Of the half without the corner nothing tells which way round it is.
     let half = on_plate(0.0).filter(|[x, _, _]| *x < 2.0);
     bench.put("half.xyz", lines(half));
-    let (code, _, text) = registered(&bench, "plate.off half.xyz");
-    assert_eq!(code, 0, "{text}");
+    let (code, results, text) = registered(&bench, "plate.off half.xyz");
+    assert_eq!((code, &results["support"]["doubt"]), (1, &"rival".into()), "{text}");
     assert!(text.contains("the points fit") && text.contains("as well"), "{text}");
+    assert!(!results["rival_poses"].as_array().unwrap().is_empty(), "{results}");
 }
 
 #[test]

@@ -42,6 +42,12 @@ impl Inertia {
     }
 }
 
+/// The mean of points, and their principal axes as the columns of a rotation.
+pub(crate) fn principal_axes(points: &[Vector3<f64>]) -> (Vector3<f64>, Matrix3<f64>) {
+    let Inertia { mean, axes, .. } = Inertia::new(points);
+    (mean, axes)
+}
+
 /// The four rotations that keep the order of the axes; where two variances nearly tie, rotations about the third axis in
 /// between as well; where all three do, none is preferred and all the rotations of a cube, turned about each axis, are tried.
 pub(crate) fn candidates(cloud: &OrientedPoints, model: &OrientedPoints) -> Vec<Placement> {

@@ -17,11 +17,18 @@ mod report;
 mod score;
 mod search;
 mod thin;
+mod turning;
 
 pub(crate) use placement::Placement;
 pub(crate) use search::{axis_placements, refine_placement};
+pub(crate) use turning::Turning;
 
 pub use options::{StartMethod, StartOptions};
 pub use oriented::OrientedPoints;
 pub use report::{StartCandidate, StartReport, StartStatus};
 pub use search::{CoarseStart, StartSearch, coarse_start};
+
+/// Indices of about as many items as are wanted, evenly picked.
+pub(crate) fn thin_evenly(count: usize, most: usize) -> Vec<usize> {
+    (0..count).step_by(count.div_ceil(most).max(1)).collect()
+}

@@ -12,6 +12,7 @@ mod ends;
 mod laws;
 mod motions;
 mod noise;
+mod rivals;
 mod robust;
 mod sample;
 mod scales;

@@ -7,7 +7,7 @@ use sdm_register::start::OrientedPoints;
 use sdm_register::{Pose, rotation, symmetries, symmetries_and_near};
 
 /// A prism over a polygon with given corners, as triangles.
-fn prism(corners: &[[f64; 2]], height: f64, place: &Pose<3>) -> TriangleMesh {
+pub(crate) fn prism(corners: &[[f64; 2]], height: f64, place: &Pose<3>) -> TriangleMesh {
     let n = u32::try_from(corners.len()).unwrap();
     let at = |z: f64| corners.iter().map(move |[x, y]| Vector3::new(*x, *y, z));
     let points = at(0.0).chain(at(height)).map(|x| Point3::from(place.apply(&x))).collect();
@@ -23,7 +23,7 @@ fn prism(corners: &[[f64; 2]], height: f64, place: &Pose<3>) -> TriangleMesh {
     TriangleMesh::new(points, triangles).unwrap()
 }
 
-fn regular(n: u32, radius: f64) -> Vec<[f64; 2]> {
+pub(crate) fn regular(n: u32, radius: f64) -> Vec<[f64; 2]> {
     let angle = |i: u32| std::f64::consts::TAU * f64::from(i) / f64::from(n) + 0.3;
     (0..n).map(|i| [radius * angle(i).cos(), radius * angle(i).sin()]).collect()
 }

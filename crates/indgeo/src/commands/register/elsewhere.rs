@@ -15,7 +15,7 @@ use std::fmt;
 const NOTED: f64 = 0.002;
 /// Share of the points that count below which all positions are searched: on a model with an area, and on a cloud, which need not have
 /// much in common with the points; and the share below which positions beside the end are tried, which takes less time.
-const LEFT_OUT: f64 = 0.97;
+pub(crate) const LEFT_OUT: f64 = 0.97;
 const LEFT_OUT_OF_CLOUDS: f64 = 0.35;
 const LEFT_OUT_BESIDE: f64 = 0.97;
 /// The same for all positions, where the points that count leave motions free: the few others are all that could tell.
@@ -86,8 +86,9 @@ pub(crate) enum Look {
 }
 
 impl Look {
-    /// Where to look, by what an end leaves unexplained.
-    pub(crate) fn after(result: &RegisterReport<3>, is_on_cloud: bool) -> Self {
+    /// Where to look, by what an end leaves unexplained; `explained` is the share of the points that lie on the model or are scattered
+    /// off it.
+    pub(crate) fn after(result: &RegisterReport<3>, explained: f64, is_on_cloud: bool) -> Self {
         let support = &result.support;
         let all = match (is_on_cloud, result.free_motions.is_empty()) {
             (true, true) => LEFT_OUT_OF_CLOUDS,
@@ -95,9 +96,9 @@ impl Look {
             (false, true) => LEFT_OUT,
             (false, false) => LEFT_OUT_IF_FREE,
         };
-        if support.exceeds_noise() && support.relative_rms > NOTED || support.share < all {
+        if support.exceeds_noise() && support.relative_rms > NOTED || explained < all {
             Self::Everywhere
-        } else if is_unexplained(result) || support.share < LEFT_OUT_BESIDE {
+        } else if is_unexplained(result) || explained < LEFT_OUT_BESIDE {
             Self::Beside
         } else {
             Self::Nowhere
@@ -142,8 +143,8 @@ pub(crate) fn is_another_copy(here: &[bool], there: &[bool]) -> bool {
 
 /// Whether an end leaves so much unexplained that the mirror image of the points is to be tried: a part of the other hand fits in most
 /// places, and where it does not its points are left out.
-pub(crate) fn may_be_mirrored(result: &RegisterReport<3>) -> bool {
-    is_unexplained(result) || result.support.share < LEFT_OUT_BESIDE
+pub(crate) fn may_be_mirrored(result: &RegisterReport<3>, explained: f64) -> bool {
+    is_unexplained(result) || explained < LEFT_OUT_BESIDE
 }
 
 /// Whether the distances are more than the noise that the points show among themselves.

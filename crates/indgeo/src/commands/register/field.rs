@@ -5,8 +5,9 @@ use industrial_geometry::mesh::nalgebra::{Matrix3, SVector, Vector3};
 use industrial_geometry::nurbs::Aabb;
 use industrial_geometry::register::start::OrientedPoints;
 use industrial_geometry::register::{
-    Covariance, Error, FreeMotion, Locks, Pose, RegisterOptions, RegisterReport, RegisterStep, Source,
-    register_rest, register_some, register_with_progress, symmetries_and_near,
+    Comparison, Covariance, Error, FreeMotion, Locks, Pose, RegisterOptions, RegisterReport, RegisterStep,
+    Source, is_symmetry, register_rest, register_some, register_with_progress, rival_poses, surface_left_out,
+    symmetries_and_near,
 };
 use std::ops::ControlFlow;
 
@@ -118,6 +119,50 @@ impl RegistrationField {
             Self::Plane(_) => (vec![Pose::identity()], Vec::new()),
             Self::Space(field) => symmetries_and_near(field.as_ref(), samples, abs_tolerance),
         }
+    }
+
+    /// Poses to which turns of a model in space about its own axes lead, if these lay most of it on itself.
+    pub(crate) fn rivals(
+        &self,
+        samples: &OrientedPoints,
+        points: &[Vector3<f64>],
+        pose: &Pose<3>,
+    ) -> Vec<Pose<3>> {
+        match self {
+            Self::Plane(_) => Vec::new(),
+            Self::Space(field) => rival_poses(field.as_ref(), samples, points, pose),
+        }
+    }
+
+    /// Whether a motion carries a model in space into itself but for a tolerance.
+    pub(crate) fn is_symmetry(&self, samples: &OrientedPoints, motion: &Pose<3>, abs_tolerance: f64) -> bool {
+        match self {
+            Self::Plane(_) => false,
+            Self::Space(field) => is_symmetry(field.as_ref(), samples, motion, abs_tolerance),
+        }
+    }
+
+    /// Which of two poses the points fit better, point by point.
+    pub(crate) fn comparison(&self, points: &[Vector3<f64>], poses: [&Pose<3>; 2]) -> Comparison {
+        let [first, second] = poses.map(|pose| self.distances(&some_moved(points, pose)));
+        Comparison::of(&first, &second, self.diagonal())
+    }
+
+    /// Share of the points that lie off the model in a pose, farther than a limit or beyond its boundary, and show a surface there:
+    /// scattered outliers do not. `None` in the plane.
+    pub(crate) fn surface_left_out(
+        &self,
+        points: &[Vector3<f64>],
+        pose: &Pose<3>,
+        limit: f64,
+    ) -> Option<f64> {
+        let Self::Space(field) = self else { return None };
+        let moved = some_moved(points, pose);
+        let frames = field.frames(&moved, Search::Global, &[]);
+        let is_out: Vec<bool> =
+            frames.iter().map(|frame| frame.on_boundary || frame.distance.abs() > limit).collect();
+        let found = surface_left_out(&moved, &is_out).iter().filter(|found| **found).count();
+        Some(found as f64 / moved.len().max(1) as f64)
     }
 
     /// Distances of points, not negative.

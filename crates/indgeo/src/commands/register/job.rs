@@ -1,12 +1,13 @@
 //! The registration of a cloud: read, start, register, choose, write.
 
 use super::request::{Cloud, Job, Start};
+use crate::commands::register::beside::Beside;
 use crate::commands::register::field::{Extent, RegistrationField, locks_fit_the_plane};
 use crate::commands::register::model::RegistrationModel;
 use crate::commands::register::near::{self as near_symmetry, Others};
 use crate::commands::register::page::{self as registration_page, Page};
 use crate::commands::register::results::{self as found, Checks, RegistrationResults, StartResult};
-use crate::commands::register::runs::{register_all, register_few};
+use crate::commands::register::runs::register_all;
 use crate::commands::register::sight::Sights;
 use crate::commands::register::starts::{Tries, Try};
 use crate::commands::register::verdict;
@@ -262,10 +263,10 @@ fn solve(
         let tolerance = result.covariance.as_ref().map_or(0.0, |covariance| covariance.sigma);
         let from = if origin == "search" { Pose::identity() } else { start };
         let again = |pose: &Pose<3>| register_all(job, field, cloud, pose, progress);
-        let (group, near) = field.symmetries(&model.samples(job.model)?, tolerance);
-        let few = |pose: &Pose<3>| register_few(job, field, cloud, pose, progress);
-        let score = |pose: &Pose<3>| field.compare(&cloud.positions, pose, job.options.scale).score;
-        (result, others) = near_symmetry::best(&near, result, score, few, again)?;
+        let samples = model.samples(job.model)?;
+        let (group, near) = field.symmetries(&samples, tolerance);
+        let beside = Beside { job, field, cloud, progress, samples: &samples, near: &near, tolerance };
+        (result, others) = near_symmetry::best(&beside, result)?;
         if result.free_motions.is_empty() {
             (result, equivalent) = verdict::nearest(&group, result, &from, &cloud.positions, again)?;
         }
@@ -274,7 +275,8 @@ fn solve(
     let elsewhere = if is_given { tries.better_than(&result, others.is_taken)? } else { None };
     let mirrored = if elsewhere.is_none() { tries.better_mirrored(&result)? } else { None };
     let has_another_copy = result.is_converged() && tries.has_another_copy(&result.pose);
-    let found = Checks { elsewhere, mirrored, has_another_copy, ..Checks::default() };
+    let rivals = others.as_good.clone();
+    let found = Checks { elsewhere, mirrored, has_another_copy, rivals, ..Checks::default() };
     let (result, checks) = verdict::checked(model, field, result, &cloud.positions, sights, found);
     Ok(Solution { starts, best, start, result, equivalent, others, checks })
 }

@@ -1,6 +1,7 @@
 //! `indgeo register`: where a scan fits its model best.
 
 pub(crate) mod approach;
+pub(crate) mod beside;
 pub(crate) mod elsewhere;
 pub(crate) mod field;
 pub(crate) mod job;
@@ -235,9 +236,10 @@ model. `indgeo merge` of the sums of all tiles writes the pose that follows, whi
 With several starts each is reported (`starts`); the one that leaves the least distance counts.
 Status: converged; doubtful (the iteration converged, but the points do not speak for the pose: `support` has the numbers and the
 reason); no_overlap (hardly any points lie on the model); underdetermined (points and model are clouds in a plane each, or
-the points cover too little of the model to fix its far corners);
+the points cover too little of the model to fix its far corners, or leave free what the model fixes);
 max_iterations, stalled, diverged. docs/when-not-to-trust-a-registration.md explains them. Of poses that a symmetric model does not
-tell apart the one nearest to the start is taken, and all are listed (`equivalent_poses`).
+tell apart the one nearest to the start is taken, and all are listed (`equivalent_poses`). Poses that the model tells apart, but not
+the points, are doubtful (`rival_poses`).
 Exit status 0: converged; 1: any other status (files are written nevertheless); 2: bad input or usage; 130: interrupted.
 
 Examples:

@@ -2,95 +2,138 @@
 //! apart.
 
 use crate::error::Error;
-use industrial_geometry::register::{Pose, RegisterReport};
+use industrial_geometry::register::{Comparison, Pose, RegisterReport};
 
-/// Score of a position over that of another one below which it is better, and above which it is worse; between these the points do not
-/// tell the two apart.
-const BETTER: f64 = 0.8;
-const WORSE: f64 = 1.25;
-/// Scores that differ by less do not differ: those of points without noise are nearly 0.
-const SAME: f64 = 1e-5;
-/// Largest score of a position that fits.
-const FITTING: f64 = 0.1;
-/// Most motions that are tried.
+/// Most positions that are tried, and of those that fit as well, most that are looked at with all points.
 const TRIED: usize = 12;
+const LOOKED_AT: usize = 3;
+/// Largest score of a position that fits.
+const FITTING: f64 = 0.5;
+/// How often the position may change.
+const ROUNDS: usize = 3;
 
 /// What came of the other positions.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Others {
     /// Whether one of them was better, and taken.
     pub(crate) is_taken: bool,
     /// Those in which the points fit about as well.
-    as_good: usize,
+    pub(crate) as_good: Vec<Pose<3>>,
 }
 
 impl Others {
-    /// What is to be said about them.
-    pub(crate) fn warning(self) -> Option<String> {
-        let taken = self.is_taken.then_some(
-            "the model nearly has a symmetry, and the points fit distinctly better in the position that it leads to, which was taken",
-        );
-        let open = (self.as_good > 0).then(|| {
-            format!(
-                "the model nearly has a symmetry, and the points fit {} as well: they are not from where the model tells them apart",
-                if self.as_good == 1 {
-                    "in another position about".to_owned()
-                } else {
-                    format!("in {} other positions about", self.as_good)
-                }
-            )
-        });
-        taken.map(str::to_owned).into_iter().chain(open).reduce(|all, one| format!("{all}; {one}"))
+    /// What is to be said about the one that was taken.
+    pub(crate) fn warning(&self) -> Option<String> {
+        self.is_taken.then(|| {
+            "the model nearly has a symmetry, and the points fit distinctly better in the position that it leads to, which was taken"
+                .to_owned()
+        })
     }
 }
 
-/// The result, or the better one of another position to which a near symmetry of the model leads.
-///
-/// `few` registers as many points as tell whether a position is worth while, `all` registers all.
+/// What is known of positions, and how to get to others.
+pub(crate) trait Positions {
+    /// Poses to which near symmetries of the model lead from a pose, roughly.
+    fn beside(&self, pose: &Pose<3>) -> Vec<Pose<3>>;
+    /// Mean squared distance of the points with a limit, as a share of the limit squared.
+    fn score(&self, pose: &Pose<3>) -> f64;
+    /// Which of two poses the points fit better.
+    fn comparison(&self, poses: [&Pose<3>; 2]) -> Comparison;
+    /// Whether two poses take the points to nearly the same places.
+    fn is_same(&self, one: &Pose<3>, other: &Pose<3>) -> bool;
+    /// Whether the model does not tell two poses apart.
+    fn are_equivalent(&self, one: &Pose<3>, other: &Pose<3>) -> bool;
+    /// Registers as many points as tell whether a position is worth while.
+    fn few(&self, start: &Pose<3>) -> Result<RegisterReport<3>, Error>;
+    /// Registers all points.
+    fn all(&self, start: &Pose<3>) -> Result<RegisterReport<3>, Error>;
+}
+
+/// The result, or the better one of another position to which a near symmetry of the model leads; and the positions in which
+/// the points fit about as well.
 pub(crate) fn best(
-    motions: &[Pose<3>],
+    positions: &dyn Positions,
     result: RegisterReport<3>,
-    score: impl Fn(&Pose<3>) -> f64,
-    few: impl Fn(&Pose<3>) -> Result<RegisterReport<3>, Error>,
-    all: impl Fn(&Pose<3>) -> Result<RegisterReport<3>, Error>,
 ) -> Result<(RegisterReport<3>, Others), Error> {
-    let own = score(&result.pose);
-    let mut scored = Vec::new();
+    let mut best = result;
+    let mut others = Others::default();
+    for _ in 0..ROUNDS {
+        let found = rivals(positions, &best.pose)?;
+        // The first of those that no other one beats.
+        let leader = found.iter().fold(best.pose, |leader, pose| {
+            if positions.comparison([&leader, pose]).is_second_better() { *pose } else { leader }
+        });
+        if positions.is_same(&leader, &best.pose) {
+            others.as_good = as_good(positions, &best, &found)?;
+            break;
+        }
+        let other = positions.all(&leader)?;
+        if !positions.comparison([&best.pose, &other.pose]).is_second_better() {
+            others.as_good = as_good(positions, &best, &found)?;
+            break;
+        }
+        // Even where the iteration came to no rest, the points do not belong where they were.
+        others.is_taken = true;
+        // What was told of the way there is that of the first result.
+        best = RegisterReport {
+            initial_rms: best.initial_rms,
+            iterations: best.iterations + other.iterations,
+            evaluations: best.evaluations + other.evaluations,
+            history: [best.history, other.history].concat(),
+            ..other
+        };
+    }
+    Ok((best, others))
+}
+
+/// Where registrations of few points from the most promising positions lead, if not to the pose itself.
+fn rivals(positions: &dyn Positions, pose: &Pose<3>) -> Result<Vec<Pose<3>>, Error> {
     // The positions in which the points fit best before they are registered there come first.
-    let mut starts: Vec<(f64, Pose<3>)> = motions
-        .iter()
-        .map(|motion| result.pose.followed_by(motion))
-        .map(|pose| (score(&pose), pose))
-        .collect();
+    let beside = positions.beside(pose);
+    let mut starts: Vec<(f64, Pose<3>)> =
+        beside.into_iter().map(|start| (positions.score(&start), start)).collect();
     starts.sort_by(|a, b| a.0.total_cmp(&b.0));
-    for (_, start) in starts.iter().take(TRIED) {
-        let found = few(start)?;
-        if found.is_converged() {
-            scored.push((score(&found.pose), found.pose));
+    let mut tried: Vec<Pose<3>> = Vec::new();
+    let mut found: Vec<Pose<3>> = Vec::new();
+    for (_, start) in &starts {
+        if tried.iter().any(|known| positions.is_same(known, start)) {
+            continue;
+        }
+        if tried.len() == TRIED {
+            break;
+        }
+        tried.push(*start);
+        // Where hardly anything fixes a turn the iteration may be slow, and its end worth a comparison all the same.
+        let end = positions.few(start)?;
+        let is_new = |known: &Pose<3>| !positions.is_same(known, &end.pose);
+        if end.pose.is_finite() && is_new(pose) && found.iter().all(is_new) {
+            found.push(end.pose);
         }
     }
-    scored.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let is_better = |other: f64| other < BETTER * own - SAME;
-    let as_good = |own: f64| {
-        let alike = |other: f64| other <= WORSE * own + SAME && other >= BETTER * own - SAME;
-        scored.iter().filter(|other| alike(other.0) && own < FITTING).count()
-    };
-    let Some((_, pose)) = scored.first().filter(|(other, _)| is_better(*other)) else {
-        return Ok((result, Others { is_taken: false, as_good: as_good(own) }));
-    };
-    let other = all(pose)?;
-    let its = score(&other.pose);
-    if !other.is_converged() || !is_better(its) {
-        return Ok((result, Others { is_taken: false, as_good: as_good(own) }));
+    Ok(found)
+}
+
+/// Those of other poses in which the points fit about as well, though the model is not the same there.
+fn as_good(
+    positions: &dyn Positions,
+    result: &RegisterReport<3>,
+    others: &[Pose<3>],
+) -> Result<Vec<Pose<3>>, Error> {
+    let pose = &result.pose;
+    // Of motions that the points leave free there is no other position.
+    if positions.score(pose) > FITTING || !result.free_motions.is_empty() {
+        return Ok(Vec::new());
     }
-    // What was told of the way there is that of the first result.
-    let other = RegisterReport {
-        initial_rms: result.initial_rms,
-        iterations: result.iterations + other.iterations,
-        evaluations: result.evaluations + other.evaluations,
-        history: [result.history, other.history].concat(),
-        ..other
+    let is_open = |other: &Pose<3>| {
+        !positions.comparison([pose, other]).is_first_better() && !positions.are_equivalent(pose, other)
     };
-    let as_good = as_good(its).saturating_sub(1);
-    Ok((other, Others { is_taken: true, as_good }))
+    let mut open = Vec::new();
+    for other in others.iter().filter(|other| is_open(other)).take(LOOKED_AT) {
+        // Few points know a pose roughly.
+        let end = positions.all(other)?;
+        if end.pose.is_finite() && !positions.is_same(pose, &end.pose) && is_open(&end.pose) {
+            open.push(end.pose);
+        }
+    }
+    Ok(open)
 }

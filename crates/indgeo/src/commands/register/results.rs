@@ -46,6 +46,8 @@ pub(crate) struct TransformFile {
     /// Every pose that the model does not tell apart from this one because of its symmetries, this one first; none where they were
     /// not looked for.
     pub(crate) equivalent_poses: Vec<[[f64; 4]; 4]>,
+    /// Poses in which the points fit as well, though the model is not the same there; of those that were looked at.
+    pub(crate) rival_poses: Vec<[[f64; 4]; 4]>,
     /// Every step.
     pub(crate) history: Vec<RegisterStep>,
 }
@@ -73,6 +75,8 @@ pub(crate) struct Checks {
     pub(crate) model_size: f64,
     /// Whether as many other points lie on the model in another position.
     pub(crate) has_another_copy: bool,
+    /// Positions that are none of a symmetry of the model, in which the points fit as well.
+    pub(crate) rivals: Vec<Pose<3>>,
     /// How much better the mirror image of the points fits, where it does so distinctly.
     pub(crate) mirrored: Option<Elsewhere>,
 }
@@ -122,6 +126,7 @@ pub(crate) fn transform(
         coverage: checks.coverage,
         free_space: checks.free_space.clone(),
         equivalent_poses: equivalent.iter().map(Pose::<3>::to_row_major).collect(),
+        rival_poses: checks.rivals.iter().map(Pose::<3>::to_row_major).collect(),
         history: result.history.clone(),
     }
 }

@@ -50,6 +50,8 @@ pub(crate) struct Try {
     fit: Fit,
     /// Whether points float in front of what a scan saw through them.
     floats: bool,
+    /// Share of the points that lie on the model, or are scattered off it.
+    explained: f64,
     seconds: f64,
     /// Whether all points were registered.
     pub(crate) is_complete: bool,
@@ -111,23 +113,33 @@ impl<'a> Tries<'a> {
         let result = verdict::flat(self.model, &cloud.positions, result);
         let fit = field.compare(&cloud.positions, &result.pose, job.options.scale);
         let floats = self.sights.contradiction(&result.pose).is_some();
+        let explained = self.explained(&result);
         let seconds = began.elapsed().as_secs_f64();
-        Ok(Try { origin, start: *given, result, fit, floats, seconds, is_complete })
+        Ok(Try { origin, start: *given, result, fit, floats, explained, seconds, is_complete })
+    }
+
+    /// Share of the points that lie on the model at an end, or are scattered off it: what is left out, but shows a surface, may belong to the
+    /// model in another position.
+    fn explained(&self, result: &RegisterReport<3>) -> f64 {
+        let share = result.support.share;
+        let limit = result.limit.filter(|_| share < elsewhere::LEFT_OUT && result.pose.is_finite());
+        let left_out = |limit| self.field.surface_left_out(&self.cloud.positions, &result.pose, limit);
+        limit.and_then(left_out).map_or(share, |left_out| share.max(1.0 - left_out))
     }
 
     /// Which other positions are to be looked at after an end: none where degrees of freedom are locked.
-    fn look_after(&self, result: &RegisterReport<3>) -> Look {
+    fn look_after(&self, result: &RegisterReport<3>, explained: f64) -> Look {
         let is_on_cloud = matches!(self.model, RegistrationModel::Cloud(_));
         if self.job.options.locks.any() || !result.is_converged() {
             Look::Nowhere
         } else {
-            Look::after(result, is_on_cloud)
+            Look::after(result, explained, is_on_cloud)
         }
     }
 
     /// Whether not all positions need be searched.
     pub(crate) fn is_good(&self, one: &Try) -> bool {
-        one.is_good() && self.look_after(&one.result) < Look::Everywhere
+        one.is_good() && self.look_after(&one.result, one.explained) < Look::Everywhere
     }
 
     /// Where a search over all positions would start, none if there is none.
@@ -153,7 +165,7 @@ impl<'a> Tries<'a> {
 
     /// Registers from positions beside the best end as well, if that leaves much unexplained.
     pub(crate) fn add_beside(&mut self) -> Result<(), Error> {
-        let best = self.best().filter(|best| self.look_after(&best.result) >= Look::Beside);
+        let best = self.best().filter(|best| self.look_after(&best.result, best.explained) >= Look::Beside);
         let starts = best.map_or_else(Vec::new, |best| self.beside(&best.result));
         for start in &starts {
             self.add("search", start, Extent::Some)?;
@@ -167,7 +179,7 @@ impl<'a> Tries<'a> {
         end: &RegisterReport<3>,
         at_all: bool,
     ) -> Result<Option<Elsewhere>, Error> {
-        let look = self.look_after(end);
+        let look = self.look_after(end, self.explained(end));
         if look == Look::Nowhere {
             return Ok(None);
         }
@@ -180,7 +192,10 @@ impl<'a> Tries<'a> {
 
     /// How much better the mirror image of the points fits than they do at an end that leaves much unexplained, if it does distinctly.
     pub(crate) fn better_mirrored(&self, end: &RegisterReport<3>) -> Result<Option<Elsewhere>, Error> {
-        if !end.is_converged() || !elsewhere::may_be_mirrored(end) || self.job.options.locks.any() {
+        if !end.is_converged()
+            || !elsewhere::may_be_mirrored(end, self.explained(end))
+            || self.job.options.locks.any()
+        {
             return Ok(None);
         }
         let Self { job, field, cloud, progress, .. } = self;
@@ -241,9 +256,10 @@ impl<'a> Tries<'a> {
     /// Registers from a position that a search found, unless that leads to where another start led, and with few points first where
     /// a better one is known: most positions turn out hopeless with those.
     pub(crate) fn add_found(&mut self, start: &Pose<3>) -> Result<(), Error> {
+        let same = |pose: &Pose<3>| is_same(self.field, &self.cloud.positions, pose, start);
         let is_known = self.list.iter().any(|one| {
             let has_led = one.origin == "search" || one.result.is_converged();
-            has_led && (self.is_same(&one.start, start) || self.is_same(&one.result.pose, start))
+            has_led && (same(&one.start) || same(&one.result.pose))
         });
         if is_known {
             return Ok(());
@@ -259,17 +275,6 @@ impl<'a> Tries<'a> {
             self.list.pop();
         }
         self.add("search", start, Extent::Some)
-    }
-
-    /// Whether two poses take the points to nearly the same places.
-    fn is_same(&self, one: &Pose<3>, other: &Pose<3>) -> bool {
-        let points = &self.cloud.positions;
-        let step = points.len().div_ceil(COMPARED).max(1);
-        let finite = points.iter().step_by(step).filter(|x| x.iter().all(|c| c.is_finite()));
-        let (sum, count) = finite.fold((0.0, 0.0), |(sum, count), x| {
-            (sum + (one.apply(x) - other.apply(x)).norm_squared(), count + 1.0)
-        });
-        sum <= (SAME * self.field.diagonal()).powi(2) * count
     }
 
     pub(crate) fn last_is_good(&self) -> bool {
@@ -321,4 +326,19 @@ impl<'a> Tries<'a> {
         }
         Ok(())
     }
+}
+
+/// Whether two poses take points to nearly the same places.
+pub(crate) fn is_same(
+    field: &RegistrationField,
+    points: &[Vector3<f64>],
+    one: &Pose<3>,
+    other: &Pose<3>,
+) -> bool {
+    let step = points.len().div_ceil(COMPARED).max(1);
+    let finite = points.iter().step_by(step).filter(|x| x.iter().all(|c| c.is_finite()));
+    let (sum, count) = finite.fold((0.0, 0.0), |(sum, count), x| {
+        (sum + (one.apply(x) - other.apply(x)).norm_squared(), count + 1.0)
+    });
+    sum <= (SAME * field.diagonal()).powi(2) * count
 }

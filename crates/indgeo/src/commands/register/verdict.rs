@@ -8,7 +8,8 @@ use crate::commands::register::sight::Sights;
 use crate::error::Error;
 use industrial_geometry::mesh::nalgebra::{Matrix3x6, Matrix6, Vector3};
 use industrial_geometry::register::{
-    Coverage, Doubt, Pose, RegisterOptions, RegisterReport, Status, Support, is_flat, shows_a_surface,
+    Coverage, Doubt, FreeMotion, Pose, RegisterOptions, RegisterReport, Status, Support, is_flat,
+    shows_a_surface,
 };
 
 /// Uncertainty of the pose at the corners of the model, as a share of its size, that is told, and from which on the pose is open.
@@ -95,6 +96,19 @@ pub(crate) fn warning(result: &RegisterReport<3>, checks: &Checks, job: &Job<'_>
                 "the pose is not to be trusted ({support}): {found}: give a start near that (--init), or choose --start global"
             ));
         }
+        Some(Doubt::Rival) => {
+            let count = checks.rivals.len();
+            return Some(format!(
+                "the pose is not determined ({support}): the model nearly has a symmetry, and the points fit {} as well, where \
+                 the model is not the same (`rival_poses`): they are not from where it tells \
+                 them apart, of which more points are needed",
+                if count == 1 {
+                    "in another position".to_owned()
+                } else {
+                    format!("in {count} other positions")
+                }
+            ));
+        }
         Some(Doubt::Mirrored) => {
             let found = checks.mirrored.map_or_else(String::new, |mirrored| mirrored.gain());
             return Some(format!(
@@ -113,8 +127,8 @@ pub(crate) fn warning(result: &RegisterReport<3>, checks: &Checks, job: &Job<'_>
         }
         Some(Doubt::Unfixed) => {
             return Some(format!(
-                "the pose is not determined ({support}): {}, and what was left out might fix it: give scans that have more in common, or \
-                 another start (--init, --start global)",
+                "the pose is not determined ({support}): the points leave open {}, which what was left out, or what {model} has elsewhere, \
+                 would fix: give scans that have more in common, points of more of the model, or another start (--init, --start global)",
                 result.free_motions.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
             ));
         }
@@ -170,7 +184,10 @@ pub(crate) fn checked(
     let floats = checks.free_space.iter().find_map(|one| one.found.doubt());
     let bare = checks.coverage.and_then(|coverage| coverage.doubt(result.support.share));
     let better = checks.elsewhere.map(|_| Doubt::Elsewhere);
+    let better = better.or((!checks.rivals.is_empty()).then_some(Doubt::Rival));
     let better = better.or(checks.mirrored.map(|_| Doubt::Mirrored)).or_else(|| of_clouds(model, &result));
+    let is_unfixed = result.status == Status::Converged && is_fixed_by_model(model, field, &result);
+    let better = better.or(is_unfixed.then_some(Doubt::Unfixed));
     // Where a part differs from its model its distances say little about the pose.
     if result.status == Status::Converged && !result.support.exceeds_noise() {
         (checks.lever, checks.model_size) = (lever(field, &result), field.diagonal());
@@ -185,6 +202,23 @@ pub(crate) fn checked(
         }
         None => (result, checks),
     }
+}
+
+/// Whether the points leave motions free that the model fixes: they are not from where it does.
+fn is_fixed_by_model(
+    model: &RegistrationModel,
+    field: &RegistrationField,
+    result: &RegisterReport<3>,
+) -> bool {
+    if result.free_motions.is_empty() || matches!(model, RegistrationModel::Cloud(_)) {
+        return false;
+    }
+    let RegistrationField::Space(field) = field else { return false };
+    let Some(samples) = model.few_samples() else { return false };
+    // Ends that the points lie between hold shifts, and turns in a plane, though none of the points resists them.
+    let shifts = result.free_motions.iter().filter(|free| matches!(free, FreeMotion::Translation { .. }));
+    let mut turns = result.free_motions.iter().filter(|free| matches!(free, FreeMotion::Rotation { .. }));
+    shifts.count() <= 1 && turns.any(|free| free.is_fixed_by(field.as_ref(), &samples))
 }
 
 /// Why a pose of a cloud on a cloud is not believed: distances that two scans of one thing do not have, a model that shows no surface, or
