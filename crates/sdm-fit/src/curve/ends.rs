@@ -1,27 +1,12 @@
 //! Open curves whose ends are given.
 
 use super::adapt;
+use super::options::CurveEnd;
 use super::work::{State, Work};
 use crate::constraint::normals;
 use crate::{Constraints, Error};
 use nalgebra::SVector;
 use nurbs_core::{BsplineCurve, ParametricCurve};
-
-/// Where an open curve ends, and how it goes on there.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub struct CurveEnd {
-    /// The end; the third coordinate does not count in the plane.
-    pub point: [f64; 3],
-    /// The direction of the tangent there, into the curve; without one only the place is given.
-    pub direction: Option<[f64; 3]>,
-}
-
-impl CurveEnd {
-    fn place<const D: usize>(&self, centre: &SVector<f64, D>) -> SVector<f64, D> {
-        SVector::from_fn(|i, _| self.point[i]) - centre
-    }
-}
 
 impl<const D: usize> Work<'_, D> {
     /// The fit once more with the ends where they are given, as side conditions: exactly there, and in exactly these directions.

@@ -31,9 +31,8 @@ mod work;
 
 pub use active::ActiveCurve;
 pub use crossing::self_crossings;
-pub use ends::CurveEnd;
 pub use fit::{fit_curve, fit_curve_with_progress};
-pub use options::CurveOptions;
+pub use options::{CurveEnd, CurveOptions};
 pub use report::{Closure, CurveFit, CurveReport, CurveStart, PointFoot, StageRecord};
 pub use several::{CurvePart, fit_curves, fit_curves_with_progress};
 pub use to_model::{fit_curve_to_model, fit_curve_to_model_with_progress};

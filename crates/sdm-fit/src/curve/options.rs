@@ -1,8 +1,25 @@
 //! Options of a curve fit.
 
-use super::ends::CurveEnd;
 use crate::{Error, FitOptions};
+use nalgebra::SVector;
 use nurbs_core::MAX_DEGREE;
+
+/// Where an open curve ends, and how it goes on there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct CurveEnd {
+    /// The end; the third coordinate does not count in the plane.
+    pub point: [f64; 3],
+    /// The direction of the tangent there, into the curve; without one only the place is given.
+    pub direction: Option<[f64; 3]>,
+}
+
+impl CurveEnd {
+    /// The place from a centre.
+    pub(super) fn place<const D: usize>(&self, centre: &SVector<f64, D>) -> SVector<f64, D> {
+        SVector::from_fn(|i, _| self.point[i]) - centre
+    }
+}
 
 /// What a curve fit does. The defaults need nothing but points.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -87,7 +87,7 @@ fn noise_outliers_and_clouds_as_models() {
 fn a_collapse_is_never_converged() {
     let field = SurfaceField::new(&model()).unwrap();
     let mut random = Random::new(6);
-    for scale in [1e-12, 1e-6, 1e-3, 1.0, 1e3, 1e9] {
+    for scale in [1e-12, 1e-3, 1.0, 1e9] {
         let points: Vec<_> = (0..800).map(|_| random.vector() / scale).collect();
         for outliers in [Outliers::Automatic, Outliers::None] {
             let options = RegisterOptions::default().with_scale(true).with_outliers(outliers);

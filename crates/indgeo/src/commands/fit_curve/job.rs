@@ -1,7 +1,10 @@
 //! The fit of a curve: read, fit, write.
 
-use crate::commands::fit_curve::joins::{CurveJoin, Joins};
-use crate::commands::fit_curve::{evolution, page};
+use super::joins::Joins;
+use super::results::CurveResults;
+use super::start::{Start, start};
+use super::tables::{feet, history};
+use super::{evolution, page};
 use crate::error::Error;
 use crate::files;
 use crate::fits::input::{check_paths, put_model, warn_dropped};
@@ -13,15 +16,13 @@ use crate::report::{Input, Output, Report, Timings};
 use crate::runtime::progress::Progress;
 use industrial_geometry::distance_field::{CurveField, ErrorTerm};
 use industrial_geometry::fit::curve::{
-    CurveFit, CurveOptions, CurvePart, CurveReport, PointFoot, fit_curve_to_model_with_progress,
+    CurveFit, CurveOptions, CurvePart, CurveReport, fit_curve_to_model_with_progress,
     fit_curve_with_progress, fit_curves_with_progress,
 };
 use industrial_geometry::fit::{Error as FitError, FitStep, StepControl};
 use industrial_geometry::io::{Content, Model, ReadOptions, Shape};
 use industrial_geometry::nurbs::nalgebra::{SVector, Vector3};
 use industrial_geometry::nurbs::{BsplineCurve, ParametricCurve};
-use serde::Serialize;
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Points along the curves of a model.
@@ -54,24 +55,6 @@ pub(crate) struct Job<'a> {
     pub(crate) options: CurveOptions,
     /// Whether nobody wants to watch.
     pub(crate) quiet: bool,
-}
-
-/// What a fit of a curve found.
-#[derive(Debug, Serialize)]
-pub(crate) struct CurveResults {
-    /// What the library reports; of several curves together.
-    #[serde(flatten)]
-    pub(crate) fitted: CurveReport,
-    /// Of each curve, if there are several.
-    pub(crate) parts: Vec<CurveReport>,
-    /// How it continues others.
-    pub(crate) joins: Vec<CurveJoin>,
-}
-
-/// A curve to start from.
-pub(super) enum Start {
-    Plane(BsplineCurve<2>),
-    Space(BsplineCurve<3>),
 }
 
 /// Does the job and fills in the report; returns whether the curve is what was asked for.
@@ -123,26 +106,6 @@ fn positions(content: &Content, path: &Path) -> Result<(Vec<Vector3<f64>>, bool)
 fn in_plane(points: &[Vector3<f64>]) -> Vec<SVector<f64, 2>> {
     // A point whose height is no number is no point.
     points.iter().map(|p| if p.z.is_finite() { p.xy() } else { SVector::repeat(f64::NAN) }).collect()
-}
-
-/// The first B-spline curve of a NURBS or CAD file.
-pub(super) fn start(path: &Path, role: &'static str, report: &mut Report) -> Result<Start, Error> {
-    let shapes = match cad_shapes::read(path, role, report)? {
-        Content::Nurbs(model) => model.into_shapes(),
-        _ => Vec::new(),
-    };
-    let curves = shapes.into_iter().filter_map(|shape| match shape {
-        Shape::Curve2(curve) => Some(Start::Plane(curve)),
-        Shape::Curve3(curve) => Some(Start::Space(curve)),
-        Shape::Surface(_) => None,
-    });
-    curves.into_iter().next().ok_or_else(|| {
-        Error::content(
-            path,
-            "a curve is needed, but this file holds none",
-            "give a B-spline curve (JSON, STEP, IGES)",
-        )
-    })
 }
 
 fn solve<const D: usize>(
@@ -265,7 +228,7 @@ where
     let parts = if reports.len() > 1 { reports } else { Vec::new() };
     let results = CurveResults { fitted, parts, joins };
     if let Some(path) = job.page {
-        page::put(job, path, (points, &found), &results, verdict, report)?;
+        page::put(job.points, path, (points, &found), &results, verdict, report)?;
     }
     report.results = Some(Box::new(results));
     Ok(verdict)
@@ -366,64 +329,6 @@ fn put(path: &Path, text: &str, content: &str, report: &mut Report) -> Result<()
     })?;
     report.add_output(Output { path: path.to_path_buf(), bytes, content: content.to_owned() });
     Ok(())
-}
-
-/// The foot of each point, and the curve that it is on.
-pub(crate) fn feet_of<const D: usize>(
-    count: usize,
-    found: &[CurvePart<D>],
-) -> Vec<Option<(PointFoot<D>, usize)>> {
-    let mut feet = vec![None; count];
-    for (k, part) in found.iter().enumerate() {
-        for (&i, foot) in part.points.iter().zip(&part.fit.feet) {
-            feet[i] = Some((*foot, k));
-        }
-    }
-    feet
-}
-
-/// One line per point; empty cells where there is no foot.
-fn feet<const D: usize>(points: &[SVector<f64, D>], found: &[CurvePart<D>]) -> String {
-    let feet = feet_of(points.len(), found);
-    let several = found.len() > 1;
-    let axes = &["x", "y", "z"][..D.min(3)];
-    let header = axes.iter().map(|a| (*a).to_owned()).chain(axes.iter().map(|a| format!("foot_{a}")));
-    let last = ["distance", "t"].into_iter().chain(several.then_some("curve"));
-    let mut text = header.chain(last.map(str::to_owned)).collect::<Vec<_>>().join(",");
-    text.push('\n');
-    for (point, foot) in points.iter().zip(feet) {
-        let nothing = PointFoot { parameter: f64::NAN, foot: SVector::repeat(f64::NAN), distance: f64::NAN };
-        let (foot, curve) = foot.unwrap_or((nothing, 0));
-        let cells = point.iter().chain(foot.foot.iter()).chain([&foot.distance, &foot.parameter]);
-        line(&mut text, cells.copied().chain(several.then_some(curve as f64)));
-    }
-    text
-}
-
-/// One line per iteration.
-fn history(records: &[FitStep]) -> String {
-    let mut text = String::from("iteration,controls,lambda,rms,max,cost,displacement,factor,damping\n");
-    for r in records {
-        let counts = [r.iteration as f64, r.coefficients as f64];
-        let rest = [r.lambda, r.rms, r.max, r.cost, r.displacement, r.factor, r.damping];
-        line(&mut text, counts.into_iter().chain(rest));
-    }
-    text
-}
-
-fn line(text: &mut String, values: impl Iterator<Item = f64>) {
-    for (k, value) in values.enumerate() {
-        if k > 0 {
-            text.push(',');
-        }
-        // Writing to memory cannot fail.
-        let _ = match value.abs() {
-            size if !size.is_finite() => Ok(()),
-            size if size > 0.0 && !(1e-5..1e16).contains(&size) => write!(text, "{value:e}"),
-            _ => write!(text, "{value}"),
-        };
-    }
-    text.push('\n');
 }
 
 /// The error of the library, with the file that it is about.

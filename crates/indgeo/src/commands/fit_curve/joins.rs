@@ -1,6 +1,6 @@
 //! Curves that continue others.
 
-use super::job::{Start, start};
+use super::start::{Start, start};
 use crate::error::Error;
 use crate::fits::boundary::ContinuityChoice;
 use crate::report::Report;

@@ -4,7 +4,10 @@ pub(crate) mod evolution;
 pub(crate) mod job;
 pub(crate) mod joins;
 pub(crate) mod page;
+pub(crate) mod results;
+pub(crate) mod start;
 pub(crate) mod summary;
+pub(crate) mod tables;
 
 use self::job::Job;
 use self::joins::Joins;

@@ -1,6 +1,7 @@
 //! The page of a fit of curves.
 
-use super::job::{CurveResults, Job, feet_of};
+use super::results::CurveResults;
+use super::tables::feet_of;
 use crate::error::Error;
 use crate::fits::numbers::FitVerdict;
 use crate::fits::page::{CurveSections, FitPage, curve_sections};
@@ -14,7 +15,7 @@ use std::path::Path;
 
 /// Writes it.
 pub(super) fn put<const D: usize>(
-    job: &Job<'_>,
+    source: &Path,
     path: &Path,
     (points, found): (&[SVector<f64, D>], &[CurvePart<D>]),
     results: &CurveResults,
@@ -38,7 +39,7 @@ pub(super) fn put<const D: usize>(
         format!("{} B-spline curves", found.len())
     };
     let page = FitPage {
-        source: job.points,
+        source,
         shape: format!("{shape} with {}", counted(fitted.controls, "control point")),
         verdict,
         rms: fitted.rms,

@@ -1,6 +1,6 @@
 //! The summary of a fit of curves.
 
-use super::job::CurveResults;
+use super::results::CurveResults;
 use crate::report::summary::{plain, write_end};
 use crate::report::wording::counted;
 use crate::report::{Report, Results};
