@@ -143,10 +143,8 @@ fn a_surface_has_exactly_its_boundary_curves() {
     let [a, b, c, d] = CORNERS;
     for k in 0..=20 {
         let t = f64::from(k) / 20.0;
-        for [shares, ends] in
-            [[[t, 0.0], [0.0, 0.0]], [[t, 1.0], [1.0, 0.0]], [[0.0, t], [2.0, 0.0]], [[1.0, t], [3.0, 0.0]]]
-        {
-            let [from, to] = [[a, b], [d, c], [a, d], [b, c]][ends[0] as usize];
+        let sides = [([t, 0.0], [a, b]), ([t, 1.0], [d, c]), ([0.0, t], [a, d]), ([1.0, t], [b, c])];
+        for (shares, [from, to]) in sides {
             // A Bézier curve with control points evenly apart in x and y.
             let bernstein =
                 [(1.0 - t).powi(3), 3.0 * t * (1.0 - t).powi(2), 3.0 * t * t * (1.0 - t), t.powi(3)];

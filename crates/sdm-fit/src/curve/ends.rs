@@ -1,12 +1,15 @@
 //! Open curves whose ends are given.
 
-use super::adapt;
 use super::options::CurveEnd;
-use super::work::{State, Work};
+use super::work::{COARSE, State, Work};
 use crate::constraint::normals;
+use crate::options::Smoothing;
 use crate::{Constraints, Error};
 use nalgebra::SVector;
 use nurbs_core::{BsplineCurve, ParametricCurve};
+
+/// Length of the first leg of the control polygon at an end with a given tangent, at least, as a share of what it was before.
+const SHORTEST: f64 = 0.1;
 
 impl<const D: usize> Work<'_, D> {
     /// The fit once more with the ends where they are given, as side conditions: exactly there, and in exactly these directions.
@@ -26,6 +29,7 @@ impl<const D: usize> Work<'_, D> {
         let (knots, mut net, _) = curve.into_parts();
         let last = net.len() - 1;
         let mut constraints = Constraints::none();
+        let mut legs = Vec::new();
         for (k, end) in given.iter().enumerate() {
             let [first, next] = if (k == 1) == is_swapped { [0, 1] } else { [last, last - 1] };
             let place = end.place(centre);
@@ -35,16 +39,33 @@ impl<const D: usize> Work<'_, D> {
             let direction = end.direction.map(|d| SVector::<f64, D>::from_fn(|i, _| d[i]));
             if let Some(direction) = direction.and_then(|d| d.try_normalize(0.0)) {
                 net[next] = place + direction * length;
+                legs.push((first, next, direction * length));
                 for normal in normals(&direction) {
                     constraints = constraints.with_plane(next, normal, normal.dot(&place));
                 }
             }
         }
-        let fit = adapt::warm(self);
+        // Without energy the curve would follow the points up to the end, and turn into the given direction in no length; with full steps to the
+        // nearest feet it would slide along itself there.
+        let lambda = state.report.lambda.max(COARSE);
+        let follows = std::mem::replace(&mut self.follows, true);
+        let fit = self.loop_options().with_smoothing(Smoothing::Fixed { lambda });
+        self.follows = follows;
         let start = BsplineCurve::new(knots, net, None)?;
-        let next = self.run_within(self.points, start, &constraints, &fit, "ends")?;
-        self.keep(&next);
-        Ok(next)
+        let mut found = self.run_within(self.points, start.clone(), &constraints, &fit, "ends")?;
+        // The side conditions leave the sense of a tangent open: where the points want another direction it may turn back.
+        let net = found.curve.control_points();
+        let is_short = |(first, next, leg): &(usize, usize, SVector<f64, D>)| {
+            (net[*next] - net[*first]).dot(leg) < SHORTEST * leg.norm_squared()
+        };
+        if legs.iter().any(is_short) && !self.cancelled {
+            for (_, next, _) in &legs {
+                constraints = constraints.with_held(*next, start.control_points()[*next]);
+            }
+            found = self.run_within(self.points, start, &constraints, &fit, "ends")?;
+        }
+        self.keep(&found);
+        Ok(found)
     }
 
     /// The curve with so many control points that given ends and tangents leave some free, unless their number was asked for.

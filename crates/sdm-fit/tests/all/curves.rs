@@ -273,7 +273,7 @@ fn ends_are_where_and_as_they_are_given() {
     assert!((low.point - wave(0.0)).norm() < 1e-12 && (high.point - wave(1.0)).norm() < 1e-12);
     let sense = if first.point.x < last.point.x { 1.0 } else { -1.0 };
     let way = low.d1.normalize() * sense;
-    assert!((way - Vector2::new(0.8, 0.6)).norm() < 1e-12, "{way:?}");
+    assert!((way - Vector2::new(0.8, 0.6)).norm() < 1e-10, "{way:?}");
     assert!(fitted.report.covered, "{}", fitted.report);
     // With the right direction it is nearer to the points than with a slanted one.
     let right = [ends[0], Some(CurveEnd { point: at(0.0), direction: Some(tangent) })];

@@ -82,8 +82,8 @@ impl Joins<'_> {
             let end = if gap_to(b) < gap_to(a) { b } else { a };
             let angle = end[1].cross(direction).norm().atan2(end[1].dot(direction));
             let join = CurveJoin { file: file.clone(), gap: gap_to(end), angle };
-            let is_bent = self.continuity == ContinuityChoice::G1 && !(angle.abs() <= ANGLE);
-            if !(join.gap <= GAP * length) || is_bent {
+            let is_bent = self.continuity == ContinuityChoice::G1 && (angle.is_nan() || angle.abs() > ANGLE);
+            if join.gap.is_nan() || join.gap > GAP * length || is_bent {
                 report.warnings.push(format!(
                     "{}: the curve ends {:.3e} from it, at an angle of {angle:.3e} radians",
                     file.display(),

@@ -70,8 +70,8 @@ impl Edges<'_> {
     }
 
     pub(crate) fn read(&self, report: &mut Report) -> Result<Given, Error> {
-        let mut given = Given::default();
-        given.boundary = self.boundary.map(|path| Boundary::read(path, report)).transpose()?;
+        let boundary = self.boundary.map(|path| Boundary::read(path, report)).transpose()?;
+        let mut given = Given { boundary, ..Given::default() };
         for path in self.join {
             let found = neighbours(path, report)?;
             given.files.extend(found.iter().map(|_| path.clone()));
