@@ -125,7 +125,7 @@ fn right_poses_on_ordinary_data_are_converged() {
     let field = SurfaceField::new(&model()).unwrap();
     let mut tally = Tally { wrong: Vec::new() };
     let all = [0.02, 0.98];
-    for seed in 1..=4 {
+    for seed in 1..=3 {
         let mut random = Random::new(seed);
         let options = RegisterOptions::default();
         for noise in [0.0, 1e-4, 2e-3, 1e-2] {
@@ -233,52 +233,46 @@ fn what_does_not_belong_together_is_never_converged() {
     let cube = MeshField::new(&cuboid([1.0, 0.7, 0.5])).unwrap();
     let fields: [(&str, &dyn DistanceField<3>); 3] = [("surface", &field), ("body", &body), ("box", &cube)];
     let mut tally = Tally { wrong: Vec::new() };
-    for seed in 1..=2 {
-        let mut random = Random::new(seed);
-        for (name, field) in fields {
-            let bounds = field.bounding_box();
-            let (low, high) = (bounds.min, bounds.max);
-            for count in [150, 1200] {
-                for (kind, points) in [
-                    ("points in the box", inside(low, high, count, &mut random)),
-                    ("points around", inside(low * 2.0 - high, high * 2.0 - low, count, &mut random)),
-                    (
-                        "points nearby",
-                        inside(low, high, count, &mut random)
-                            .iter()
-                            .map(|x| x + (high - low) * 0.7)
-                            .collect(),
-                    ),
-                    (
-                        "cloud of points",
-                        (0..count).map(|_| bounds.centre() + random.vector() * 0.3).collect(),
-                    ),
-                    ("sphere", sphere(0.6, count, &mut random).iter().map(|x| x + bounds.centre()).collect()),
-                    ("large sphere", sphere(8.0, count, &mut random)),
-                    (
-                        "small sphere",
-                        sphere(0.2, count, &mut random).iter().map(|x| x + bounds.centre()).collect(),
-                    ),
-                ] {
-                    // Spheres fit into nothing here, and a body is no surface patch.
-                    let report = run(field, &points, &Pose::identity(), &RegisterOptions::default());
-                    tally.never(&format!("{kind} ({count}) on the {name}"), &report);
-                }
+
+    let (seed, mut random) = (1, Random::new(1));
+    for (name, field) in fields {
+        let bounds = field.bounding_box();
+        let (low, high) = (bounds.min, bounds.max);
+        for count in [150, 1200] {
+            for (kind, points) in [
+                ("points in the box", inside(low, high, count, &mut random)),
+                ("points around", inside(low * 2.0 - high, high * 2.0 - low, count, &mut random)),
+                (
+                    "points nearby",
+                    inside(low, high, count, &mut random).iter().map(|x| x + (high - low) * 0.7).collect(),
+                ),
+                ("cloud of points", (0..count).map(|_| bounds.centre() + random.vector() * 0.3).collect()),
+                ("sphere", sphere(0.6, count, &mut random).iter().map(|x| x + bounds.centre()).collect()),
+                ("large sphere", sphere(8.0, count, &mut random)),
+                (
+                    "small sphere",
+                    sphere(0.2, count, &mut random).iter().map(|x| x + bounds.centre()).collect(),
+                ),
+            ] {
+                // Spheres fit into nothing here, and a body is no surface patch.
+                let report = run(field, &points, &Pose::identity(), &RegisterOptions::default());
+                tally.never(&format!("{kind} ({count}) on the {name}"), &report);
             }
         }
-        let cloud = bumpy(2000, None, seed);
-        for name in ["surface", "box"] {
-            let field: &dyn DistanceField<3> = if name == "surface" { &field } else { &cube };
-            let start = away(&cloud, 60.0 * random.uniform(), 0.2, &mut random);
-            tally.never(
-                &format!("another body on the {name}"),
-                &run(field, &cloud, &start, &RegisterOptions::default()),
-            );
-        }
-        let cloud = part([0.0, 1.0], [0.0, 1.0], 2000, 1e-3, &mut random);
-        let start = away(&cloud, 60.0 * random.uniform(), 0.2, &mut random);
-        tally.never("the surface on another body", &run(&body, &cloud, &start, &RegisterOptions::default()));
     }
+    let cloud = bumpy(2000, None, seed);
+    for name in ["surface", "box"] {
+        let field: &dyn DistanceField<3> = if name == "surface" { &field } else { &cube };
+        let start = away(&cloud, 60.0 * random.uniform(), 0.2, &mut random);
+        tally.never(
+            &format!("another body on the {name}"),
+            &run(field, &cloud, &start, &RegisterOptions::default()),
+        );
+    }
+    let cloud = part([0.0, 1.0], [0.0, 1.0], 2000, 1e-3, &mut random);
+    let start = away(&cloud, 60.0 * random.uniform(), 0.2, &mut random);
+    tally.never("the surface on another body", &run(&body, &cloud, &start, &RegisterOptions::default()));
+
     tally.check();
 }
 
@@ -289,7 +283,7 @@ fn wrong_minima_are_not_called_converged() {
     let body = CloudField::new(&body, None).unwrap();
     let mut tally = Tally { wrong: Vec::new() };
     let mut right = 0;
-    for seed in 1..=6 {
+    for seed in 1..=4 {
         let mut random = Random::new(seed);
         for degrees in [40.0, 90.0, 180.0] {
             for noise in [0.0, 2e-3] {
